@@ -41,7 +41,7 @@
 #endif
 
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-#define TRISAP_ABI_VERSION 6
+#define TRISAP_ABI_VERSION 7
 
 /// Major version of the library that this header belongs to.
 #define TRISAP_VERSION_MAJOR 0
@@ -432,10 +432,6 @@ typedef struct trisap_stats {
     uint32_t large;
     /// Objects whose leaves got new planes.
     uint32_t rebalanced;
-    /// 1 if floats are too coarse for some box at its place: a side is shorter than four steps of its coordinate. A
-    /// box without any side counts only if the world has not even steps enough to tell such boxes apart. The boxes
-    /// may have lost their shape before; shift the origin.
-    uint32_t coarse_resolution;
     /// Why the pairs were found that way: one of `TRISAP_REASON_...`.
     uint32_t reason;
     /// 1 if leaves are divided into sub-leaves, for steps with few movers.
@@ -770,6 +766,14 @@ TRISAP_NOEXCEPT;
 TRISAP_NODISCARD
 trisap_status trisap_world_count(const struct trisap_world *world,
                                  uint32_t *count)
+TRISAP_NOEXCEPT;
+
+/// 1 if floats are too coarse for some box at its place: a side is shorter than four steps of its coordinate. A box
+/// without any side counts only if the world has not even steps enough to tell such boxes apart. The pairs are right for
+/// the boxes as given, but the boxes may have lost their shape before; shift the origin. 0 also of a busy world and for
+/// misuse. O(slots that have been in use): ask now and then.
+TRISAP_NODISCARD
+uint32_t trisap_world_is_coarse(const struct trisap_world *world)
 TRISAP_NOEXCEPT;
 
 /// Living objects; 0 also of a busy world and for misuse, which `trisap_world_count` tells apart. O(1).

@@ -1021,6 +1021,9 @@ public:
         return stats;
     }
 
+    /// Whether floats are too coarse for some box at its place: see `trisap_world_is_coarse`.
+    [[nodiscard]] bool is_coarse() const noexcept { return trisap_world_is_coarse(world_) != 0; }
+
     /// What the status of the last refused call was about: see `trisap_status`.
     [[nodiscard]] std::uint64_t error_detail() const noexcept { return trisap_world_error_detail(world_); }
 

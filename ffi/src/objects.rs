@@ -349,6 +349,23 @@ pub unsafe extern "C" fn trisap_world_count(world: *const trisap_world, count: *
     unsafe { look(world, ask) }
 }
 
+/// 1 if floats are too coarse for some box at its place: a side is shorter than four steps of its coordinate. A box
+/// without any side counts only if the world has not even steps enough to tell such boxes apart. The pairs are right for
+/// the boxes as given, but the boxes may have lost their shape before; shift the origin. 0 also of a busy world and for
+/// misuse. O(slots that have been in use): ask now and then.
+#[unsafe(no_mangle)]
+#[must_use]
+pub unsafe extern "C" fn trisap_world_is_coarse(world: *const trisap_world) -> u32 {
+    let mut coarse = 0;
+    let ask = |call: &Call| {
+        coarse = u32::from(call.world.is_coarse());
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { look(world, ask) };
+    coarse
+}
+
 /// Living objects; 0 also of a busy world and for misuse, which `trisap_world_count` tells apart. O(1).
 #[unsafe(no_mangle)]
 #[must_use]

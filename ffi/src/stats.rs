@@ -20,7 +20,6 @@ pub extern "C" fn trisap_default_stats() -> trisap_stats {
         fullest_leaf: 0,
         large: 0,
         rebalanced: 0,
-        coarse_resolution: 0,
         reason: TRISAP_REASON_NO_MOVERS,
         fine_leaves: 0,
         shared: 0,
@@ -65,7 +64,6 @@ pub unsafe extern "C" fn trisap_world_stats(
             fullest_leaf: known.fullest_leaf,
             large: known.large,
             rebalanced: known.rebalanced,
-            coarse_resolution: u32::from(known.coarse_resolution),
             reason: match known.reason {
                 Reason::NoMovers => TRISAP_REASON_NO_MOVERS,
                 Reason::FewObjects => TRISAP_REASON_FEW_OBJECTS,

@@ -284,10 +284,6 @@ pub struct trisap_stats {
     pub large: u32,
     /// Objects whose leaves got new planes.
     pub rebalanced: u32,
-    /// 1 if floats are too coarse for some box at its place: a side is shorter than four steps of its coordinate. A
-    /// box without any side counts only if the world has not even steps enough to tell such boxes apart. The boxes
-    /// may have lost their shape before; shift the origin.
-    pub coarse_resolution: u32,
     /// Why the pairs were found that way: one of `TRISAP_REASON_...`.
     pub reason: u32,
     /// 1 if leaves are divided into sub-leaves, for steps with few movers.

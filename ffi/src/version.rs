@@ -4,7 +4,7 @@ use core::ffi::{CStr, c_char};
 use trisap_core::Kernels;
 
 /// The version of the ABI that this header describes. Libraries with the same ABI version can take each other's place.
-pub const TRISAP_ABI_VERSION: u32 = 6;
+pub const TRISAP_ABI_VERSION: u32 = 7;
 /// Major version of the library that this header belongs to.
 pub const TRISAP_VERSION_MAJOR: u32 = 0;
 /// Minor version of the library that this header belongs to.

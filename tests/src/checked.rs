@@ -23,6 +23,8 @@ pub struct Outcome {
     pub surplus: u64,
     /// The statistics.
     pub stats: Stats,
+    /// Whether `f32` is too coarse for some box.
+    pub coarse: bool,
 }
 
 impl Outcome {
@@ -37,6 +39,7 @@ impl Outcome {
             rejected: step.rejected(),
             surplus: step.surplus(),
             stats: step.stats(),
+            coarse: step.is_coarse(),
         }
     }
 }

@@ -398,18 +398,18 @@ fn overlaps_of_one_ulp_are_not_missed() {
 }
 
 #[test]
-fn far_from_the_origin_the_pairs_are_right_and_the_statistics_warn() {
+fn far_from_the_origin_the_pairs_are_right_and_the_world_warns() {
     // 64 unit cubes in a row have two distinct coordinates here.
     let row = |far: f32| (0..64).map(|i| cube(far + i as f32, 0.0, 0.0)).collect::<Vec<_>>();
     let outcomes = play_alone(EXACT, &[row(1e9)]);
-    assert!(outcomes[0].stats.coarse_resolution);
+    assert!(outcomes[0].coarse);
     assert!(outcomes[0].pairs.len() > 63, "a superset of the neighbours");
-    assert!(!play_alone(EXACT, &[row(0.0)])[0].stats.coarse_resolution);
+    assert!(!play_alone(EXACT, &[row(0.0)])[0].coarse);
 
     let uniform = scenes::uniform(2000, 36);
     let away = |far: f32| uniform.iter().map(|b| shifted(b, [0.0, far, 0.0])).collect::<Vec<_>>();
-    assert!(on_every_setup(EXACT, &[away(1e9)], &Jobs::USUAL)[0].stats.coarse_resolution);
-    assert!(!on_every_setup(EXACT, &[away(0.0)], &Jobs::USUAL)[0].stats.coarse_resolution);
+    assert!(on_every_setup(EXACT, &[away(1e9)], &Jobs::USUAL)[0].coarse);
+    assert!(!on_every_setup(EXACT, &[away(0.0)], &Jobs::USUAL)[0].coarse);
 
     // Boxes that have lost all their sides, by rounding to the nearest, are seen too; points that are told apart are points.
     let vanished = |far: f32| {
@@ -418,9 +418,8 @@ fn far_from_the_origin_the_pairs_are_right_and_the_statistics_warn() {
     };
     assert!(vanished(1e9).iter().all(|b| b.min == b.max), "some have a side left");
     for count in [20, 300, 2000] {
-        let warns = |boxes: &[Aabb]| {
-            on_every_setup(EXACT, &[boxes[..count].to_vec()], &Jobs::USUAL)[0].stats.coarse_resolution
-        };
+        let warns =
+            |boxes: &[Aabb]| on_every_setup(EXACT, &[boxes[..count].to_vec()], &Jobs::USUAL)[0].coarse;
         assert!(warns(&vanished(1e9)), "{count}");
         for far in [0.0, 100.0, 1e4] {
             let points: Vec<_> =

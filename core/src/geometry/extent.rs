@@ -1,4 +1,4 @@
-//! What a pass over all boxes finds: the bounds of their minimum corners, and whether `f32` is too coarse.
+//! The bounds of minimum corners, and whether `f32` is too coarse for boxes.
 
 use super::key::{KeyBox, key, value};
 use bytemuck::{Pod, Zeroable};
@@ -39,32 +39,20 @@ impl Extent {
     }
 }
 
-/// What a pass found.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundsScan {
-    pub(crate) extent: Extent,
-    /// Whether a box is coarse, and whether one is a point away from the origin.
-    pub(crate) coarse: bool,
-    pub(crate) points: bool,
-}
-
-impl BoundsScan {
-    pub(crate) const NONE: Self = Self { extent: Extent::NONE, coarse: false, points: false };
-
-    /// Looks closely at a box that may be coarse. Few may.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn examine(&mut self, bounds: &KeyBox) {
-        self.coarse |= bounds.is_coarse();
-        self.points |= bounds.min == bounds.max && bounds.min.iter().any(|key| value(*key).abs() > 1e-20);
+/// Whether `f32` is too coarse for some of `live` boxes, empty ones aside. A point may be meant, or may be a
+/// box that has lost its sides far from the origin; `f32` cannot tell neighbours apart there either. So points
+/// count only if on no axis the world has four steps for each box of a row, were the boxes to fill a cube.
+pub(crate) fn is_coarse<'b>(boxes: impl Iterator<Item = &'b KeyBox>, live: u32) -> bool {
+    let (mut extent, mut points) = (Extent::NONE, false);
+    for bounds in boxes.filter(|bounds| !bounds.is_empty()) {
+        if bounds.is_coarse() {
+            return true;
+        }
+        points |= bounds.min == bounds.max && bounds.min.iter().any(|key| value(*key).abs() > 1e-20);
+        extent.include(&bounds.min);
     }
-
-    /// Whether `f32` is too coarse for some of `live` boxes. A point may be meant, or may be a box that has
-    /// lost its sides far from the origin; `f32` cannot tell neighbours apart there either. So points count
-    /// only if on no axis the world has four steps for each box of a row, were the boxes to fill a cube.
-    pub(crate) fn is_coarse(&self, live: u32) -> bool {
-        let steps = |k: usize| self.extent.high[k].abs_diff(self.extent.low[k]);
-        let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
-        self.coarse || self.points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
-    }
+    extent.make_finite();
+    let steps = |k: usize| extent.high[k].abs_diff(extent.low[k]);
+    let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
+    points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
 }

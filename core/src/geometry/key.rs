@@ -221,11 +221,6 @@ impl KeyBox {
         extent(0).max(extent(1)).max(extent(2)).max(0.0)
     }
 
-    /// Whether a side is shorter than four steps of `f32` there. Only such a box can be coarse.
-    pub(crate) fn is_narrow(&self) -> bool {
-        !on_all_axes(|k| self.max[k].wrapping_sub(self.min[k]) as u32 >= 4)
-    }
-
     /// Whether `f32` can hardly tell the box's sides apart so far from the origin: a side is shorter than
     /// four steps of the coordinate. Where a side has vanished, the largest one decides.
     pub(crate) fn is_coarse(&self) -> bool {

@@ -115,10 +115,4 @@ pub struct Stats {
     pub large: u32,
     /// Objects whose leaves got new planes.
     pub rebalanced: u32,
-    /// Whether `f32` is too coarse for some box at its place: a side is shorter than four steps of its
-    /// coordinate. A box without any side counts only if the world has not even steps enough to tell such
-    /// boxes apart. The pairs are right for the boxes as given, but the boxes may have lost their shape
-    /// before; shift the origin. Steps that fill all leaves look, which is at least one full step in 33;
-    /// worlds without a tree look in every eighth step and when objects are new.
-    pub coarse_resolution: bool,
 }

@@ -32,7 +32,7 @@ pub(super) fn full<I: Index>(
     if kept.is_none() {
         persistent::start_over(parts);
     }
-    let (coarse, rebalanced) = arrange(parts, anew, context);
+    let rebalanced = arrange(parts, anew, context);
     context.executor.enter(Stage::Sweep);
     let (leaves, from) = (parts.state.tree.count, kept.unwrap_or_default());
     let moved = kept.map(|_| &*parts.moved.words);
@@ -58,17 +58,13 @@ pub(super) fn full<I: Index>(
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
     }
     let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
-    parts.state.step.did(work, leaves, rebalanced, coarse);
+    parts.state.step.did(work, leaves, rebalanced);
     (route, Swept { pairs, passing, lost: kept.is_none().then_some(lost) })
 }
 
 /// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole
-/// tree. Returns whether `f32` is too coarse, if it has looked, and how many objects got new planes otherwise.
-pub(super) fn arrange<I: Index>(
-    parts: &mut Parts<'_, I>,
-    anew: bool,
-    context: StepContext<'_>,
-) -> (Option<bool>, u32) {
+/// tree. Returns how many objects got new planes otherwise.
+pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool, context: StepContext<'_>) -> u32 {
     let executor = context.executor;
     let was_filled = parts.state.tree.filled != 0;
     executor.enter(Stage::Build);
@@ -79,21 +75,20 @@ pub(super) fn arrange<I: Index>(
         plant(&mut parts.tree, &mut parts.state.tree);
     }
     executor.enter(Stage::Fill);
-    let (mut coarse, mut rebalanced) = (None, 0);
+    let mut rebalanced = 0;
     let kept = if anew || was_subdivided || refined { Err(0) } else { keep(parts, context) };
     if let Err(left) = kept {
-        let (mut bounds_scan, others) = assign::count(parts, context);
+        let (mut extent, others) = assign::count(parts, context);
         let few = was_filled && left + others <= parts.state.objects.live / LEAVERS_SHARE;
         executor.enter(Stage::Build);
-        rebalanced = balance::balance(parts, &bounds_scan.extent, was_filled && !few, context);
+        rebalanced = balance::balance(parts, &extent, was_filled && !few, context);
         executor.enter(Stage::Fill);
         if rebalanced > 0 {
-            bounds_scan = assign::count(parts, context).0;
+            extent = assign::count(parts, context).0;
         }
-        assign::fill(parts, &bounds_scan, context);
-        coarse = Some(bounds_scan.is_coarse(parts.state.objects.live));
+        assign::fill(parts, &extent, context);
         parts.state.step.kept = u8::from(few);
     }
     balance::review(parts);
-    (coarse, rebalanced)
+    rebalanced
 }

@@ -46,7 +46,7 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     });
     context.executor.enter(Stage::Results);
     let passing = collector.merge(context, pairs, surplus.or(persists));
-    parts.state.step.did(work, leaves, 0, None);
+    parts.state.step.did(work, leaves, 0);
     Some(Swept { pairs, passing, lost: None })
 }
 

@@ -7,7 +7,7 @@
 
 use super::policy::SCAN_EVERY;
 use crate::access::Access;
-use crate::config::{LISTS, TREE};
+use crate::config::LISTS;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::Work;
@@ -18,7 +18,6 @@ use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::sweep::small;
-use crate::tree::assign;
 use core::cell::Cell;
 use core::slice::Iter;
 
@@ -38,10 +37,9 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let Parts { state, boxes, list, output, filters, .. } = parts;
     let ObjectState { live, slots, has_inserted, .. } = state.objects;
     let boxes = boxes.swept().span(0, slots as usize);
-    // Each eighth step and when objects are new: which axis is best, and whether `f32` is too coarse; if there
-    // is one to be chosen, or if the build looks at all.
-    let looks = (has_list || TREE) && (state.lists.scan_in == 0 || has_inserted != 0);
-    if has_list || TREE {
+    // Each eighth step and when objects are new.
+    let looks = has_list && (state.lists.scan_in == 0 || has_inserted != 0);
+    if has_list {
         state.lists.scan_in = if looks { SCAN_EVERY } else { state.lists.scan_in } - 1;
     }
     let pair_filter = PairFilter::if_needed(filters, slots, &context);
@@ -68,9 +66,8 @@ pub(super) fn small<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
         context.executor.enter(Stage::Sweep);
         small::test_all(boxes, pair_filter.as_ref(), output.pairs)
     };
-    let coarse = (TREE && looks).then(|| assign::scan_bounds(boxes.iter()).is_coarse(live));
     let work = Work { candidates: candidates as u64, spared, ..Work::default() };
-    state.step.did(work, 1, 0, coarse);
+    state.step.did(work, 1, 0);
     pairs as u64
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn find<I: Index>(
         _ if parts.sizes.is_small() => all(lists::small(parts, context)),
         // Without fat boxes nothing is left to do.
         Path::Unchanged => {
-            parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
+            parts.state.step.did(Work::default(), parts.state.leaves(), 0);
             all(persistent::persistent(parts, context))
         }
         Path::Movers => match incremental::movers(parts, context) {

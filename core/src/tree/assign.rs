@@ -11,7 +11,7 @@ use super::shape::join;
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Nodes, Split, Straddler, large, leaf_of, most};
 use crate::access::Access;
-use crate::geometry::extent::BoundsScan;
+use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
@@ -25,8 +25,8 @@ use crate::tree::{Frame, Record};
 
 /// Finds the leaf of every object and counts. If straddlers and large objects are too many, leaves are joined
 /// first. Then each leaf has its counts, and the histogram tells where in their leaf the objects of each block
-/// of slots begin. Returns what the boxes are like, and how many objects left their leaf.
-pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (BoundsScan, u32) {
+/// of slots begin. Returns the bounds of minima, and how many objects left their leaf.
+pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (Extent, u32) {
     loop {
         let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
         let TreeParts { boxes, splits, parents, tops, cells, .. } = &mut parts.tree;
@@ -60,17 +60,13 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     }
 }
 
-fn count_in<I: Index>(
-    parts: &mut Parts<'_, I>,
-    leaves: usize,
-    context: StepContext<'_>,
-) -> (BoundsScan, u32) {
+fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepContext<'_>) -> (Extent, u32) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(leaves);
     let boxes = parts.boxes.swept();
     let (splits, cells) = (&*parts.tree.splits, parts.tree.cells.span(0, leaves));
-    let mut found = [(BoundsScan::NONE, 0); SLOT_BLOCKS];
+    let mut found = [(Extent::NONE, 0); SLOT_BLOCKS];
     let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     histogram.fill(0);
     let blocks = (
@@ -82,14 +78,12 @@ fn count_in<I: Index>(
         let boxes = boxes.span(block * len, homes.len());
         found.fill(run!(context.kernels, |simd| count_block(simd, boxes, homes, splits, cells, histogram)));
     });
-    let (mut sum, mut left) = (BoundsScan::NONE, 0);
-    for (bounds_scan, leavers) in &found {
+    let (mut extent, mut left) = (Extent::NONE, 0);
+    for (part, leavers) in &found {
         left += leavers;
-        sum.extent.union(&bounds_scan.extent);
-        sum.coarse |= bounds_scan.coarse;
-        sum.points |= bounds_scan.points;
+        extent.union(part);
     }
-    (sum, left)
+    (extent, left)
 }
 
 #[inline(always)]
@@ -100,25 +94,22 @@ fn count_block<S: Simd, I: Index>(
     splits: &[Split],
     cells: &[Cell],
     histogram: &mut [u32],
-) -> (BoundsScan, u32) {
+) -> (Extent, u32) {
     let (counts, large) = histogram.as_chunks_mut::<2>();
     // Of one length, so that one check of an index is enough.
-    let Some(counts) = counts.get_mut(..cells.len()) else { return (BoundsScan::NONE, 0) };
-    let (mut bounds_scan, mut left) = (BoundsScan::NONE, 0);
+    let Some(counts) = counts.get_mut(..cells.len()) else { return (Extent::NONE, 0) };
+    let (mut extent, mut left) = (Extent::NONE, 0);
     for (bounds, home) in boxes.iter().zip(homes) {
         if bounds.is_empty() {
             *home = I::NONE;
             continue;
         }
         let keys = simd.keys(bounds);
-        if bounds.is_narrow() {
-            bounds_scan.examine(bounds);
-        }
         let leaf = home.at();
         if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
             let classified = cell.classify(simd, keys);
             if classified.is_member() {
-                bounds_scan.extent.include(&bounds.min);
+                extent.include(&bounds.min);
                 *members += 1;
                 *straddlers += u32::from(classified.straddles());
                 continue;
@@ -132,19 +123,19 @@ fn count_block<S: Simd, I: Index>(
             *home = I::LARGE;
             large.put(0, large.at(0) + 1);
         } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
-            bounds_scan.extent.include(&bounds.min);
+            extent.include(&bounds.min);
             *home = I::from_slot(leaf as u32);
             *members += 1;
             *straddlers += u32::from(classified.straddles());
         }
     }
     // Infinite coordinates would make frames too coarse, as would large objects.
-    bounds_scan.extent.make_finite();
-    (bounds_scan, left)
+    extent.make_finite();
+    (extent, left)
 }
 
 /// Gives leaves their places, writes all records and straddlers there, and finds the boxes of nodes.
-pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan, context: StepContext<'_>) {
+pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, context: StepContext<'_>) {
     let leaves = parts.state.tree.count as usize;
     let (mut record, mut straddler, mut large) = (0, 0, 0);
     let (most, row) = (most(parts.state) as u32, histogram_row(leaves));
@@ -160,8 +151,8 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, bounds_scan: &BoundsScan,
         large += core::mem::replace(count, large);
     }
     let listed = large::seat(parts, straddler, large);
-    parts.state.tree.extent = bounds_scan.extent;
-    frame(parts.tree.cells.span(0, leaves), &bounds_scan.extent, parts.tree.frames, parts.tree.leaves);
+    parts.state.tree.extent = *extent;
+    frame(parts.tree.cells.span(0, leaves), extent, parts.tree.frames, parts.tree.leaves);
     let listed = listed && large::renew(parts);
     scatter(parts, leaves, listed, context);
     large::arrange(parts, listed);
@@ -238,18 +229,4 @@ fn scatter_block<S: Simd, I: Index>(
             straddlers.store(large_list + at as usize, &Straddler { bounds: *bounds, slot, long: 0 });
         }
     }
-}
-
-/// What some boxes are like.
-#[inline(never)]
-pub(crate) fn scan_bounds<'b>(boxes: impl Iterator<Item = &'b KeyBox>) -> BoundsScan {
-    let mut bounds_scan = BoundsScan::NONE;
-    for bounds in boxes.filter(|bounds| !bounds.is_empty()) {
-        bounds_scan.extent.include(&bounds.min);
-        if bounds.is_narrow() {
-            bounds_scan.examine(bounds);
-        }
-    }
-    bounds_scan.extent.make_finite();
-    bounds_scan
 }

@@ -5,6 +5,7 @@ use crate::access::Access;
 use crate::config::Capacity;
 use crate::error::Error;
 use crate::geometry::aabb::Aabb;
+use crate::geometry::extent::is_coarse;
 use crate::id::{Id, Index};
 use core::fmt;
 
@@ -46,6 +47,16 @@ impl<I: Index> World<'_, I> {
     #[must_use]
     pub fn aabb(&self, id: Id) -> Option<Aabb> {
         self.slot_of(id).ok().map(|slot| self.parts.bounds(slot).to_aabb())
+    }
+
+    /// Whether `f32` is too coarse for some box at its place: a side is shorter than four steps of its
+    /// coordinate. A box without any side counts only if the world has not even steps enough to tell such
+    /// boxes apart. The pairs are right for the boxes as given, but the boxes may have lost their shape
+    /// before; [shift the origin](Self::shift_origin). O(slots that have been in use): ask now and then.
+    #[must_use]
+    pub fn is_coarse(&self) -> bool {
+        let boxes = self.parts.boxes.given().span(0, self.parts.state.objects.slots as usize);
+        is_coarse(boxes.iter(), self.parts.state.objects.live)
     }
 
     pub(crate) fn slot_of(&self, id: Id) -> Result<usize, Error> {

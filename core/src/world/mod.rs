@@ -178,7 +178,7 @@ impl<I: Index> World<'_, I> {
 
     /// Nothing has changed: the result stays, and nothing is found or lost.
     fn keep(parts: &mut Parts<'_, I>, shared: bool) {
-        parts.state.step.did(Work::default(), parts.state.leaves(), 0, None);
+        parts.state.step.did(Work::default(), parts.state.leaves(), 0);
         parts.state.step.record(0, parts.state.objects.outran, Route::UNCHANGED, shared);
         parts.state.pairs.found = 0;
         parts.state.pairs.lost = 0;

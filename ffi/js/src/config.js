@@ -121,7 +121,7 @@ export function readStats(view, at) {
   const long = (offset) => Number(view.getBigUint64(at + offset, true));
   return {
     path: PATHS[word(4)],
-    reason: REASONS[word(40)] ?? "other",
+    reason: REASONS[word(36)] ?? "other",
     objects: word(8),
     moved: word(12),
     leaves: word(16),
@@ -129,9 +129,8 @@ export function readStats(view, at) {
     fullestLeaf: word(24),
     large: word(28),
     rebalanced: word(32),
-    coarseResolution: word(36) === 1,
-    fineLeaves: word(44) === 1,
-    outran: word(52),
+    fineLeaves: word(40) === 1,
+    outran: word(48),
     copies: long(56),
     candidates: long(64),
     tied: long(72),

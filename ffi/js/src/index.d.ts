@@ -102,7 +102,6 @@ export interface Stats {
   fullestLeaf: number;
   large: number;
   rebalanced: number;
-  coarseResolution: boolean;
   fineLeaves: boolean;
   outran: number;
   copies: number;
@@ -132,6 +131,11 @@ export class World {
   readonly variant: "simd128" | "scalar" | "pairs" | "given";
   /** The instructions that its kernels use. */
   readonly instructionSet: string;
+  /**
+   * Whether floats are too coarse for some box at its place, so that boxes may have lost their shape: shift the origin. Looks at all
+   * objects: ask now and then.
+   */
+  isCoarse(): boolean;
   /** Bytes of its memory, which `createWorlds` shares among its worlds. */
   readonly memoryBytes: number;
   /** Living objects. */

@@ -7,7 +7,7 @@
 import { ModuleError, OutOfMemoryError, TrisapError } from "./errors.js";
 
 /** The version of the C ABI whose structs this package knows. */
-const ABI_VERSION = 6;
+const ABI_VERSION = 7;
 const PAGE = 65536;
 /** What the structs of a call take at most. */
 const STRUCTS = 1024;

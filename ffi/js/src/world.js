@@ -87,6 +87,10 @@ export class World {
     return this.#module.trisap_world_len(this.#world);
   }
 
+  isCoarse() {
+    return this.#module.trisap_world_is_coarse(this.#world) === 1;
+  }
+
   get memoryBytes() {
     return this.#calls.memory.bytes;
   }

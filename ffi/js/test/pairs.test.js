@@ -31,6 +31,14 @@ for (const simd of [false, true]) {
     });
   }
 
+  test(`${variant}: boxes far from the origin are too fine for floats`, async () => {
+    const world = await createWorld({ objects: 2 }, { simd });
+    world.insert([0, 0, 0, 1, 1, 1]);
+    assert.equal(world.isCoarse(), false);
+    world.insert([1e9, 0, 0, 1e9 + 64, 1, 1]);
+    assert.equal(world.isCoarse(), true);
+  });
+
   test(`${variant}: objects come and go`, async () => {
     const next = random(7);
     const world = await createWorld({ objects: 400, events: true, pairs: 20000 }, { simd });

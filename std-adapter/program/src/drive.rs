@@ -18,6 +18,7 @@ pub(crate) struct Frame<'a> {
     /// Pairs of fat mode whose boxes do not overlap.
     pub(crate) surplus: u64,
     pub(crate) rejected: Option<Rejected>,
+    pub(crate) coarse: bool,
     pub(crate) pairs: PairLists<'a>,
 }
 
@@ -109,6 +110,7 @@ fn pass<I: Index>(
             stats: step.stats(),
             surplus: if config.mode == trisap::Mode::Fat { step.surplus() } else { 0 },
             rejected: step.rejected(),
+            coarse: step.is_coarse(),
             pairs: PairLists { all: &step.pairs(), found: &step.found(), lost: &step.lost() },
         };
         if !visitor.visit(&frame)? {

@@ -107,7 +107,7 @@ fn summary(source: &Source, config: &Config, engine: &Engine, tally: &Tally) -> 
         large: medians(|stats| stats.large.into()) as u32,
         bytes: bytes(config)?,
         rejected: tally.rejected,
-        coarse_frames: tally.stats.iter().filter(|stats| stats.coarse_resolution).count(),
+        coarse_frames: tally.coarse,
         check: tally.checker.as_ref().map(|checker| Check {
             method: Checker::method(objects),
             passed: tally.wrong.is_none(),

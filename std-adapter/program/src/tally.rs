@@ -22,6 +22,7 @@ pub(crate) struct Tally {
     /// Frames by the path that the step took.
     pub(crate) paths: BTreeMap<String, u32>,
     pub(crate) rejected: u64,
+    pub(crate) coarse: usize,
 }
 
 impl Tally {
@@ -38,6 +39,7 @@ impl Tally {
             surplus: Vec::new(),
             paths: BTreeMap::new(),
             rejected: 0,
+            coarse: 0,
         }
     }
 }
@@ -51,7 +53,7 @@ impl Visitor for Tally {
         self.stats.clear();
         self.surplus.clear();
         self.paths.clear();
-        self.rejected = 0;
+        (self.rejected, self.coarse) = (0, 0);
     }
 
     fn visit(&mut self, frame: &Frame<'_>) -> Result<bool> {
@@ -66,6 +68,7 @@ impl Visitor for Tally {
         };
         *self.paths.entry(path).or_default() += 1;
         self.rejected += u64::from(frame.rejected.map_or(0, |rejected| rejected.count));
+        self.coarse += usize::from(frame.coarse);
         if let Some(checker) = &mut self.checker {
             self.wrong = checker.compare(frame).err().map(|wrong| format!("frame {}: {wrong}", frame.number));
         }

@@ -97,7 +97,6 @@ impl State {
             surplus: pairs.swept - pairs.reported,
             large: if has_tree { tree.large } else { 0 },
             rebalanced: step.rebalanced,
-            coarse_resolution: step.coarse != 0,
         }
     }
 }

@@ -208,8 +208,7 @@ pub(crate) struct StepState {
     pub(super) path: u8,
     pub(super) reason: u8,
     pub(super) shared: u8,
-    /// Whether `f32` was too coarse.
-    pub(super) coarse: u8,
+    pub(super) unused: u8,
     /// Steps for which each new box gets a new fat box; the first step does not tell how objects move.
     pub(crate) renews: u16,
     /// What the steps since that was so last have cost beyond quiet ones.
@@ -223,7 +222,7 @@ impl StepState {
     pub(crate) fn route(&self) -> Option<Route> {
         let path = Path::from_integer(self.path)?;
         let reason = Reason::from_integer(self.reason)?;
-        (self.shared <= 1 && self.coarse <= 1).then_some(Route { path, reason })
+        (self.shared <= 1).then_some(Route { path, reason })
     }
 
     /// Notes what led to a step.
@@ -232,9 +231,8 @@ impl StepState {
         (self.path, self.reason) = (route.path as u8, route.reason as u8);
     }
 
-    /// Notes what a step did. Whether `f32` is too coarse stays as it was if the step has not looked.
-    pub(crate) fn did(&mut self, work: Work, leaves: u32, rebalanced: u32, coarse: Option<bool>) {
+    /// Notes what a step did.
+    pub(crate) fn did(&mut self, work: Work, leaves: u32, rebalanced: u32) {
         (self.work, self.leaves, self.rebalanced) = (work, leaves, rebalanced);
-        self.coarse = coarse.map_or(self.coarse, u8::from);
     }
 }

@@ -91,7 +91,7 @@ pub(super) fn precision(lab: &Lab) -> Result<Section> {
                  rounding, pairs are missed. Outward rounding must have neither: a miss in its two rows is an error of trisap.",
                 lab.plan.distant_boxes
             ),
-            "The resolution statistic (Stats::coarse_resolution) warns where boxes are too small for f32 at their place.".into(),
+            "World::is_coarse warns where boxes are too small for f32 at their place.".into(),
         ],
         ..Section::default()
     };
@@ -211,7 +211,7 @@ fn find(boxes: &[Wide], distance: f64, way: Way) -> Result<Found> {
     let mut pairs = step.pairs().to_vec();
     pairs.sort_unstable();
     let cut = boxes.iter().zip(&rounded).filter(|(wide, narrow)| !wide.is_within(narrow, origin)).count();
-    Ok(Found { pairs, cut: cut as u64, coarse: step.stats().coarse_resolution })
+    Ok(Found { pairs, cut: cut as u64, coarse: step.is_coarse() })
 }
 
 #[cfg(test)]

@@ -103,7 +103,7 @@ fn far_out(kernels: Kernels) -> Result<()> {
     let mut world = owned.world();
     world.insert_many(Boxes::new(&frame(0.0)))?;
     let step = world.set_kernels(kernels).step()?;
-    let coarse = step.stats().coarse_resolution;
+    let coarse = step.is_coarse();
     let touching = |pairs: &[[u16; 2]]| (1..count as u16).all(|b| pairs.contains(&[b - 1, b]));
     ensure!(coarse && touching(step.pairs()), "outward rounding has lost a pair or has not warned");
     ensure!(world.shift_origin([FAR, 0.0, 0.0])? == 0, "the shift was not exact");
@@ -111,6 +111,6 @@ fn far_out(kernels: Kernels) -> Result<()> {
     ensure!(step.found().is_empty() && step.lost().is_empty(), "the shift has made events");
     let step = world.set_kernels(kernels).step_over(Boxes::new(&frame(FAR)))?;
     ensure!(touching(step.pairs()) && step.pairs().len() as u32 == count - 1, "not exact after the shift");
-    ensure!(step.found().is_empty() && !step.stats().coarse_resolution, "after the shift");
+    ensure!(step.found().is_empty() && !step.is_coarse(), "after the shift");
     Ok(())
 }
