@@ -206,7 +206,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("snapshot", 592),
     ("step", 731),
     ("sweep", 1362),
-    ("tree", 2182),
+    ("tree", 2141),
     ("validate", 376),
     ("world", 1612),
 ];

@@ -2,13 +2,14 @@
 //! empty are joined. So planes follow where objects come and go, and all others stay (paper, section
 //! III.B.2). The first planes are made the same way, from one leaf that holds all objects.
 
-use super::build::{as_slots, divide, is_divisible, sampled};
+use super::build::{as_slots, divide};
 use super::cells::Sample;
-use super::limits::{CROWDED_SHARE, GHOSTS_SHARE, HEAVY, HEAVY_STEPS, LEAF_SAMPLE, PATIENCE};
+use super::limits::{CROWDED_SHARE, GHOSTS_SHARE, HEAVY, HEAVY_STEPS, PATIENCE};
 use super::shape::join;
 use super::{large, most, planned};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
+use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len, depth_for, histogram_row};
 use crate::memory::slab::Parts;
@@ -58,8 +59,8 @@ pub(crate) fn balance<I: Index>(
     if count == 1 {
         let boxes = parts.boxes.swept().span(0, parts.state.objects.slots as usize);
         let list = as_slots::<I>(parts.tree.records).span(0, members as usize);
-        let sample = Sample::of_list(list, boxes);
-        parts.state.tree.extent = extent.trimmed(&sample);
+        let minimum = |at| Some(KeyBox::of(boxes, list.at(at).at()).min);
+        parts.state.tree.extent = extent.trimmed(&Sample::of(list.len(), minimum));
     }
     let few = planned(parts.state) * 6 / 5;
     for leaf in (1..count).rev() {
@@ -105,29 +106,22 @@ fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize, context: StepC
     }
 }
 
-/// Looks at the leaves that were just filled: how many are in use, and how full the fullest one is. A sample
-/// of a leaf that no plane could divide tells whether one would by now.
+/// Looks at the leaves that were just filled: how many are in use, and how full the fullest one is. Leaves that
+/// no plane could divide are tried again now and then.
 pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
-    let most = most(parts.state);
-    let Parts { state, tree, boxes, .. } = parts;
-    let state = &mut state.tree;
+    let (most, leaves) = (most(parts.state), parts.state.tree.count as usize);
+    let state = &mut parts.state.tree;
     (state.leaves_in_use, state.fullest_leaf, state.uneven) = (0, 0, 0);
     let mut freed = false;
-    for leaf in tree.leaves.span_mut(0, state.count as usize) {
+    for leaf in parts.tree.leaves.span_mut(0, leaves) {
         state.leaves_in_use += u32::from(leaf.len > 0);
         state.fullest_leaf = state.fullest_leaf.max(leaf.len);
-        if u64::from(leaf.len) <= most {
-            continue;
+        if u64::from(leaf.len) > most {
+            if leaf.stuck > 0 && state.wait == 0 {
+                (leaf.stuck, freed) = (0, true);
+            }
+            state.uneven |= u8::from(leaf.len > leaf.stuck + leaf.stuck / 2);
         }
-        let slots = leaf.members(tree.records).iter().map(|record| I::from_slot(record.slot()));
-        let mut sample = [I::default(); LEAF_SAMPLE];
-        if leaf.stuck > 0
-            && state.wait == 0
-            && is_divisible(boxes.swept(), sampled(slots, LEAF_SAMPLE, &mut sample))
-        {
-            (leaf.stuck, freed) = (0, true);
-        }
-        state.uneven |= u8::from(leaf.len > leaf.stuck + leaf.stuck / 2);
     }
     if freed {
         put_off(state);

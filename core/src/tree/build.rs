@@ -4,8 +4,9 @@
 //! three sorted lists of all objects for exact medians. Those of samples make leaves that are nearly as even,
 //! and need no sort. O(n log n) in all.
 
+use super::cells::evenly;
 use super::large::is_thin;
-use super::limits::{AXIS_SAMPLE, CROSSING, LEAF_SAMPLE, LOPSIDED, SAMPLED_FROM, SAMPLED_SHARE};
+use super::limits::{AXIS_SAMPLE, CROSSING, LOPSIDED, SAMPLED_FROM, SAMPLED_SHARE};
 use super::shape::set_leaf;
 use super::{AXIS, Leaf, Record, Split, UNSPLIT, axis_of, key_of, plane};
 use crate::access::{Access, note_fault};
@@ -48,8 +49,11 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
         let is_full = levels > 0 && (len * share) as u64 > most;
         let mut plane = UNSPLIT;
         if is_full {
-            let sample = sampled(part.iter().copied(), AXIS_SAMPLE, sample);
-            plane = best_plane(boxes, sample, keys.span_mut(0, sample.len()));
+            let mut count = 0;
+            for (to, at) in sample.iter_mut().zip(evenly(len, AXIS_SAMPLE)) {
+                (*to, count) = (part.at(at), count + 1);
+            }
+            plane = best_plane(boxes, sample.span(0, count), keys.span_mut(0, count));
         }
         let pair = state.count as usize;
         if plane != UNSPLIT && pair < tree.parents.len() {
@@ -78,19 +82,6 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
 /// The memory of records as a list of slots.
 pub(super) fn as_slots<I: Index>(records: &mut [Record]) -> &mut [I] {
     bytemuck::try_cast_slice_mut(records).unwrap_or_default()
-}
-
-/// Copies at most so many of some slots, spread evenly.
-pub(super) fn sampled<I: Index>(
-    slots: impl ExactSizeIterator<Item = I>,
-    most: usize,
-    sample: &mut [I],
-) -> &[I] {
-    // An odd step, since every second object may be of another kind.
-    let step = slots.len().div_ceil(most) | 1;
-    let sample = sample.span_mut(0, slots.len().div_ceil(step));
-    sample.iter_mut().zip(slots.step_by(step)).for_each(|(to, slot)| *to = slot);
-    sample
 }
 
 /// Brings the objects below a plane to the front of a list; returns how many. Both parts keep their order.
@@ -157,13 +148,4 @@ fn crossing<I: Index>(boxes: &[KeyBox], sample: &[I], plane: i32, far: f32) -> (
         crossing => crossing,
     };
     (cost, plane - (half_gap & !AXIS))
-}
-
-/// Whether a plane would part a sample of objects nearly into halves.
-pub(super) fn is_divisible<I: Index>(boxes: &[KeyBox], sample: &[I]) -> bool {
-    let plane = best_plane(boxes, sample, [0; LEAF_SAMPLE].span_mut(0, sample.len()));
-    let is_below = |slot: &&I| KeyBox::of(boxes, slot.at()).min[axis_of(plane)] < key_of(plane);
-    let (below, all) = (sample.iter().filter(is_below).count(), sample.len());
-    // If half of the boxes are in one place, a plane parts only the other half, again and again.
-    plane != UNSPLIT && 8 * below.min(all - below) >= 3 * all
 }

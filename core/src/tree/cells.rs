@@ -4,8 +4,7 @@ use super::limits::{FAR, OUTLIERS, SPARSE, SPREAD_SAMPLE};
 use super::{Cell, Frame, Leaf, Nodes, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
 use crate::geometry::extent::Extent;
-use crate::geometry::key::{KeyBox, key, length, value};
-use crate::id::Index;
+use crate::geometry::key::{key, length, value};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 
@@ -39,6 +38,12 @@ impl Extent {
     }
 }
 
+/// At most so many of `count` numbers, spread evenly. By an odd step, since every second object may be of
+/// another kind.
+pub(super) fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
+    (0..count).step_by(count.div_ceil(most) | 1)
+}
+
 /// A sample of minima: the few least and greatest numbers on each axis.
 pub(crate) struct Sample {
     low: [[i32; 3]; OUTLIERS + 1],
@@ -50,30 +55,11 @@ impl Sample {
     const NONE: Self =
         Self { low: [[i32::MAX; 3]; OUTLIERS + 1], high: [[i32::MIN; 3]; OUTLIERS + 1], count: 0 };
 
-    /// A sample of `count` minima, spread evenly.
+    /// A sample of `count` minima.
     #[inline(always)]
     pub(crate) fn of(count: usize, minimum: impl Fn(usize) -> Option<[i32; 3]>) -> Self {
         let mut sample = Self::NONE;
-        // An odd step, since every second object may be of another kind.
-        (0..count)
-            .step_by(count.div_ceil(SPREAD_SAMPLE) | 1)
-            .filter_map(minimum)
-            .for_each(|min| sample.include(min));
-        sample
-    }
-
-    /// A sample of the objects in a list. It does not depend on their order, since a world that was loaded
-    /// has no lists.
-    pub(crate) fn of_list<I: Index>(list: &[I], boxes: &[KeyBox]) -> Self {
-        let mut sample = Self::NONE;
-        for slot in list {
-            // Multiples of the golden ratio are spread evenly.
-            let turn = u64::from(slot.slot().wrapping_mul(0x9e37_79b9));
-            let at = (turn * list.len() as u64) >> 32;
-            if at < SPREAD_SAMPLE as u64 {
-                sample.include(KeyBox::of(boxes, slot.at()).min);
-            }
-        }
+        evenly(count, SPREAD_SAMPLE).filter_map(minimum).for_each(|min| sample.include(min));
         sample
     }
 

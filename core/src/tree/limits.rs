@@ -20,8 +20,6 @@ pub(crate) const AXIS_SAMPLE: usize = 512;
 /// second object may be of another kind.
 pub(crate) const SAMPLED_FROM: usize = 65_536;
 pub(crate) const SAMPLED_SHARE: usize = 7;
-/// Members of a leaf that are sampled to tell whether a plane can part them.
-pub(crate) const LEAF_SAMPLE: usize = 32;
 /// Members of a leaf that are sampled for the planes of its sub-leaves.
 pub(crate) const SUB_SAMPLE: usize = 128;
 /// One in this many of the boxes below a plane may cross it: every crossing box is swept on both sides.

@@ -7,7 +7,7 @@
 //! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are
 //! empty. Divided leaves have no straddlers: only a full step gathers ghosts.
 
-use super::cells::divide;
+use super::cells::{divide, evenly};
 use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
 use super::{Cell, Leaf, Record, SUB_LEAVES, UNSPLIT, plane, renumber, sub_leaf_of};
 use crate::access::Access;
@@ -61,9 +61,8 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
 fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: usize) {
     let members = leaf.members(tree.records);
     let (mut sample, mut count) = ([[0; 3]; SUB_SAMPLE], 0);
-    // An odd step, since every second object may be of another kind.
-    let step = members.len().div_ceil(SUB_SAMPLE) | 1;
-    let some = members.iter().step_by(step).map(|record| KeyBox::of(boxes, record.slot() as usize));
+    let of = |at| KeyBox::of(boxes, members.at(at).slot() as usize);
+    let some = evenly(members.len(), SUB_SAMPLE).map(of);
     // Without the objects that have gone since.
     for (min, bounds) in sample.iter_mut().zip(some.filter(|bounds| !bounds.is_empty())) {
         *min = bounds.min;
