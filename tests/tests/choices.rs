@@ -1,7 +1,8 @@
 //! What the library chooses by counts, and what the caller may choose instead: the pairs are right either way, the statistics
 //! say what was chosen and why, and fat boxes are there where they gain something.
 
-use trisap_core::{Aabb, Config, Margin, Mode, Path, Reason, Stats};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use trisap_core::{Aabb, Config, Error, Margin, Mode, Path, Reason, Stats};
 use trisap_tests::checked::{Checked, Outcome, expected};
 use trisap_tests::forced::{Choice, Forced as _};
 use trisap_tests::jobs::Jobs;
@@ -389,4 +390,89 @@ fn a_run_with_other_choices_is_repeated_byte_for_byte() {
     let frames = frames(100, 5);
     let first = on_every_setup(config, &frames, &Jobs::USUAL);
     assert_identical(&on_every_setup(config, &frames, &Jobs::USUAL), &first, Setup::REFERENCE);
+}
+
+/// What happens beside or between quiet steps, of which the next one keeps no boxes of before.
+#[derive(Clone, Copy, Debug)]
+enum Meanwhile {
+    /// The rule panics, and the step is done once more.
+    Panic,
+    /// The origin moves.
+    Shift,
+    /// The world is saved and loaded.
+    Load,
+    /// It goes on in a copy, with more room.
+    Growth,
+    /// There is no room for all pairs in that step.
+    Full,
+}
+
+/// Events are right where a quiet world is interrupted before a step in which some leave their predicted boxes.
+#[test]
+fn events_are_right_where_quiet_steps_are_interrupted() {
+    use Meanwhile::{Full, Growth, Load, Panic, Shift};
+    let mut frames = drift(0.02, 34);
+    let mut rng = Rng::new(3);
+    // The sample is one in 78, and some places behind.
+    for (nth, at) in (0..900).filter(|at| (10..70).contains(&(at % 78))).enumerate() {
+        let way = rng.in_ball();
+        frames[14 + 6 * (nth % 3)..].iter_mut().for_each(|boxes| boxes[at] = shifted(&boxes[at], way));
+    }
+    let most = frames.iter().map(|frame| expected(frame).len()).max().unwrap_or(0);
+    for meanwhile in [Panic, Shift, Load, Growth, Full] {
+        let config = Config::new(ample(COUNT, 40 * COUNT)).with_events().with_filters();
+        let larger = config.with_capacity(ample(COUNT + 1, 50 * COUNT));
+        let mut slabs = [&config, &larger].map(Slab::new::<u32>);
+        let [slab, grown] = &mut slabs;
+        let mut checked = Checked::<u32>::new(slab.world(&config));
+        checked.rule();
+        checked.insert_many(&frames[0]);
+        let (mut moved_by, mut quiet, mut room) = ([0.0; 3], 0, Some(grown));
+        for (step, frame) in frames.iter().enumerate() {
+            let interrupted = step >= 12 && step % 6 == 2;
+            let mut boxes: Vec<Aabb> = frame.iter().map(|aabb| shifted(aabb, moved_by)).collect();
+            match meanwhile {
+                _ if !interrupted => {}
+                Panic => {
+                    let (world, model) = checked.parts_mut();
+                    let rule =
+                        |a, b| if a % 5 == 0 { resume_unwind(Box::new("a rule")) } else { model.agree(a, b) };
+                    let step = || world.with_rule(&rule).step_over(&boxes).map(|_| ());
+                    assert!(catch_unwind(AssertUnwindSafe(step)).is_err(), "nobody asked the rule");
+                    checked.model_mut().fail();
+                    // All boxes were taken in.
+                    let ids = checked.model().ids();
+                    ids.iter().for_each(|id| checked.model_mut().set(*id, boxes[id.slot() as usize]));
+                }
+                Shift => {
+                    checked.world_mut().shift_origin([0.5, -1.0, 2.0]).expect("finite");
+                    for id in checked.model().ids() {
+                        let aabb = checked.world().aabb(id).expect("alive");
+                        checked.model_mut().shift(id, aabb);
+                    }
+                    moved_by = [0, 1, 2].map(|k| moved_by[k] - [0.5, -1.0, 2.0][k]);
+                    boxes = frame.iter().map(|aabb| shifted(aabb, moved_by)).collect();
+                }
+                Load => {
+                    let saved = checked.save();
+                    checked.load(&saved);
+                }
+                Growth => {
+                    if let Some(grown) = room.take() {
+                        let world = checked.world().move_into(grown.bytes_mut(), &larger).expect("more room");
+                        checked = Checked::resume(world, checked.into_model());
+                    }
+                }
+                Full => {
+                    // All in one place, for that step alone.
+                    let heap: Vec<Aabb> = boxes.iter().map(|_| boxes[0]).collect();
+                    let error = checked.try_step_over(&heap, Setup::REFERENCE).err();
+                    assert!(matches!(error, Some(Error::PairsFull { .. })), "{most} pairs fit: {error:?}");
+                }
+            }
+            let outcome = checked.step_over(&boxes, Setup::REFERENCE);
+            quiet += usize::from(outcome.stats.path == Path::Unchanged);
+        }
+        assert!(quiet >= 8, "{quiet} quiet steps, {meanwhile:?}");
+    }
 }
