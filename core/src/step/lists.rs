@@ -17,12 +17,11 @@ use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
-use crate::sort::heapsort;
 use crate::sweep::small;
 use core::cell::Cell;
 use core::slice::Iter;
 
-/// Objects that each object may overtake, on average, before it is cheaper to sort by a heap first.
+/// Objects that each object may overtake, on average, before it is cheaper to sort over long distances first.
 const INVERSIONS_PER_OBJECT: usize = 4;
 
 /// Finds all pairs. Returns how many there are.
@@ -110,21 +109,33 @@ fn list_all<I: Index>(parts: &mut Parts<'_, I>) {
     (state.lists.listed, state.lists.stale) = (listed as u16, 0);
 }
 
-/// Sorts the list, and writes its words anew: by insertion; where it is in no order, by a heap before. O(n +
-/// inversions), at most O(n log n).
+/// Sorts the list, and writes its words anew: by insertion; where it is in no order, roughly before. O(n +
+/// inversions), or about O(n^1.3) for as many as lists have.
 fn sort<const W: usize, const U: usize>(boxes: &[KeyBox], list: &mut [i32], lists: &ListState, anew: bool) {
     let budget = if anew { 0 } else { INVERSIONS_PER_OBJECT * list.len() + 64 };
     if !sort_by_insertion::<W, U>(boxes, list, lists, budget) {
-        sort_anew(boxes, list, W);
+        sort_roughly(boxes, list, W);
         sort_by_insertion::<W, U>(boxes, list, lists, usize::MAX);
     }
 }
 
-/// Sorts over any distances.
+/// Sorts over long distances (Shell's sort), by the upper bits of minima.
 #[inline(never)]
-fn sort_anew(boxes: &[KeyBox], list: &mut [i32], w: usize) {
-    let place = |word: i32| (KeyBox::of(boxes, slot(word)).min.at(w), slot(word));
-    heapsort(list, |a, b| place(a) < place(b));
+fn sort_roughly(boxes: &[KeyBox], list: &mut [i32], w: usize) {
+    for word in list.iter_mut() {
+        let at = slot(*word);
+        *word = KeyBox::of(boxes, at).min[w] >> 8 & 0xff_ffff | (at as i32) << 24;
+    }
+    for gap in [41_u8, 13, 4].map(usize::from) {
+        for at in gap..list.len() {
+            let (word, mut to) = (list.at(at), at);
+            while to >= gap && list.at(to - gap) << 8 > word << 8 {
+                list.put(to, list.at(to - gap));
+                to -= gap;
+            }
+            list.put(to, word);
+        }
+    }
 }
 
 /// Returns whether the list is in order, as most of it is before, after so many inversions at most.
