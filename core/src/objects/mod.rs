@@ -43,6 +43,8 @@ impl<I: Index> Parts<'_, I> {
     }
 
     /// Where a process may have ended between two writes: makes boxes whole, and what is around them anew.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn mend_boxes(&mut self) {
         for slot in 0..self.state.objects.slots as usize {
             let mut bounds = self.boxes.given().at(slot);

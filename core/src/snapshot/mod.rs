@@ -102,9 +102,8 @@ impl<I: Index> World<'_, I> {
         if let Some(field) = state.setup.difference(&self.parts.state.setup) {
             return Err(Error::OtherConfig { field });
         }
-        let config = state.setup.portable_config(size_of::<I>()).ok_or(Error::BadSnapshot)?;
-        let sizes = Sizes::of::<I>(&config)?;
-        let stored = Stored::<I>::cut(state, &sizes, sections).ok_or(Error::BadSnapshot)?;
+        check_config::<I>(&state)?;
+        let stored = Stored::<I>::cut(state, sections).ok_or(Error::BadSnapshot)?;
         check::all(&stored).map_err(|_| Error::BadSnapshot)?;
         check_room(&state, &self.parts.sizes)?;
         self.parts.clear(false);
@@ -172,6 +171,13 @@ fn opened(snapshot: &[u8]) -> Option<&[u8]> {
     let [magic, len, sum]: Header = bytemuck::try_pod_read_unaligned(header).ok()?;
     let body = body.get(..usize::try_from(len).ok()?)?;
     (magic == MAGIC && sum == checksum(body)).then_some(body)
+}
+
+/// Checks that this build can make the world of a state. Its sizes take no stack of a load.
+#[inline(never)]
+fn check_config<I: Index>(state: &State) -> Result<(), Error> {
+    let config = state.setup.portable_config(size_of::<I>()).ok_or(Error::BadSnapshot)?;
+    Sizes::of::<I>(&config).map(drop)
 }
 
 /// Checks that there is room for a world.

@@ -136,9 +136,10 @@ macro_rules! stored {
                 }
             }
 
-            /// Cuts the bytes behind a state of a world with these sizes. `None` if they are too few or too many.
-            pub(crate) fn cut(state: State, $s: &Sizes, mut bytes: &'b [u8]) -> Option<Self> {
-                let ($n, bytes) = (Saved::of(&state), &mut bytes);
+            /// Cuts the bytes behind a state. `None` if they are too few or too many, or no world is so.
+            pub(crate) fn cut(state: State, mut bytes: &'b [u8]) -> Option<Self> {
+                let ($s, $n) = (&Sizes::of::<I>(&state.setup.portable_config(size_of::<I>())?).ok()?, Saved::of(&state));
+                let bytes = &mut bytes;
                 let mut stored = Self {
                     state,
                     config: $s.config,
