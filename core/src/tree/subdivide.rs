@@ -58,6 +58,8 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
 }
 
 /// Makes the planes of the sub-leaves of a leaf: medians on the longest axis of a sample of its members.
+// Not inline: its sample would stand on the stack of the whole step.
+#[inline(never)]
 fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: usize) {
     let members = leaf.members(tree.records);
     let (mut sample, mut count) = ([[0; 3]; SUB_SAMPLE], 0);
