@@ -72,3 +72,27 @@ fn boxes_that_are_not_flat() {
         }
     });
 }
+
+/// Bricks in rows, numbered row by row: a sample at a fixed step sees one column of some of these walls, and all others are taken
+/// for outliers of the grid.
+#[test]
+fn walls_with_rows_of_any_length() {
+    let config = Config::new(ample(COUNT, 60 * COUNT));
+    for columns in 3..40 {
+        let mut slab = Slab::new::<u32>(&config);
+        let mut world = Checked::new(slab.world::<u32>(&config));
+        let (mut boxes, mut rng) = (Vec::new(), Rng::new(columns));
+        for index in 0..COUNT as u64 {
+            let (row, column) = (index / columns, index % columns);
+            let [x, y] = [column as f32 + 0.5 * (row % 2) as f32, row as f32];
+            boxes.push(Aabb::new([x, y, 0.0], [x + 1.0, y + 1.0, 1.0]));
+        }
+        world.insert_many(&boxes);
+        for _ in 0..3 {
+            scenes::walk(&mut boxes, 1000, 0.001, &mut rng);
+            let stats = world.step_over(&boxes, Setup::REFERENCE).stats;
+            // Each brick has three neighbours to come; of bricks that share a step of the grid more are tested.
+            assert!(stats.candidates < 4 * COUNT as u64, "{columns} columns: {}", stats.candidates);
+        }
+    }
+}

@@ -206,7 +206,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("snapshot", 599),
     ("step", 731),
     ("sweep", 1362),
-    ("tree", 2143),
+    ("tree", 2153),
     ("validate", 376),
     ("world", 1612),
 ];

@@ -38,10 +38,15 @@ impl Extent {
     }
 }
 
-/// At most so many of `count` numbers, spread evenly. By an odd step, since every second object may be of
-/// another kind.
+/// At most so many of `count` numbers, one from each of as many equal parts. Where in its part, multiples of the
+/// golden ratio tell: a fixed step would see one column of a grid whose rows are as long.
 pub(super) fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    (0..count).step_by(count.div_ceil(most) | 1)
+    let step = count.div_ceil(most).max(1);
+    let within = move |part: usize| (u64::from((part as u32).wrapping_mul(0x9e37_79b9)) * step as u64) >> 32;
+    (0..count)
+        .step_by(step)
+        .enumerate()
+        .map(move |(part, first)| (first + within(part) as usize).min(count - 1))
 }
 
 /// A sample of minima: the few least and greatest numbers on each axis.

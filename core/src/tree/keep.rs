@@ -48,6 +48,9 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
         return Err(left);
     }
     large::seat(parts, straddlers, large);
+    if !large::renew(parts) {
+        return Err(left);
+    }
     large::arrange(parts, true);
     enclose(parts, true, context);
     parts.state.tree.filled = filled;
@@ -83,23 +86,19 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
     context.each(blocks, |block, (homes, next, lists, left)| {
         let (first, count) = (block * len, homes.len());
         lists.fill(0);
-        let stay = moved.span(first / 32, count.div_ceil(32)).iter().all(|word| *word == 0);
-        if stay && homes.iter().all(|home| *home == I::NONE) {
-            // A pool of disabled objects.
-            return;
-        }
         let slots = (boxes.span(first, count), homes, places.span(first, count));
+        let first = (first, moved.span(first / 32, count.div_ceil(32)));
         let lists = (next, lists);
         left.fill(run!(context.kernels, |simd| rewrite_block(simd, first, slots, tree, records, lists)));
     });
     left.iter().sum()
 }
 
-/// The same for some consecutive slots, from a first one on.
+/// The same for some consecutive slots, from a first one on. Where none of 32 has moved, nothing is to be written.
 #[inline(always)]
 fn rewrite_block<S: Simd, I: Index>(
     simd: S,
-    first: usize,
+    (first, moved): (usize, &[u32]),
     (boxes, homes, places): (&[KeyBox], &mut [I], &[I]),
     (cells, frames, splits, leaves): (&[Cell], &[Frame], &[Split], &[Leaf]),
     records: Shared<'_, Record>,
@@ -110,21 +109,24 @@ fn rewrite_block<S: Simd, I: Index>(
         return 0;
     };
     let mut left = 0;
-    for (index, ((bounds, home), place)) in boxes.iter().zip(&*homes).zip(places).enumerate() {
-        let mut stays = bounds.is_empty() && *home == I::NONE;
-        if let (Some(cell), Some(frame), Some(leaf)) =
-            (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
-        {
-            let keys = simd.keys(bounds);
-            let classified = cell.classify(simd, keys);
-            // Also of one that leaves: a hole will be there.
-            let record = simd.record(frame, keys, (first + index) as u32 | classified.marks());
-            records.store(leaf.start as usize + place.at(), &record);
-            stays = classified.is_member() && !bounds.is_empty();
+    let words = boxes.chunks(32).zip(homes.chunks(32)).zip(places.chunks(32)).zip(moved);
+    for (word, (((boxes, homes), places), _)) in words.enumerate().filter(|(_, (_, moved))| **moved != 0) {
+        for (index, ((bounds, home), place)) in (32 * word..).zip(boxes.iter().zip(homes).zip(places)) {
+            let mut stays = bounds.is_empty() && *home == I::NONE;
+            if let (Some(cell), Some(frame), Some(leaf)) =
+                (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
+            {
+                let keys = simd.keys(bounds);
+                let classified = cell.classify(simd, keys);
+                // Also of one that leaves: a hole will be there.
+                let record = simd.record(frame, keys, (first + index) as u32 | classified.marks());
+                records.store(leaf.start as usize + place.at(), &record);
+                stays = classified.is_member() && !bounds.is_empty();
+            }
+            // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
+            next.put(left as usize, I::from_slot(index as u32));
+            left += u32::from(!stays);
         }
-        // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
-        next.put(left as usize, I::from_slot(index as u32));
-        left += u32::from(!stays);
     }
     let (lists, [alone]) = lists.as_chunks_mut::<2>() else { return left };
     // The last one first: its place by slot is not before the one that it has now.
@@ -139,6 +141,9 @@ fn rewrite_block<S: Simd, I: Index>(
         }
         let goal = leaf_of(splits, &bounds.min);
         let is_large = cells.at(goal).classify(simd, simd.keys(&bounds)).is_large();
+        if home == I::LARGE && is_large && !bounds.is_empty() {
+            continue;
+        }
         let list = match lists.get_mut(goal) {
             Some([comers, _]) if home != I::LARGE && !is_large && !bounds.is_empty() => {
                 homes.put(index, I::from_slot(goal as u32));
