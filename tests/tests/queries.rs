@@ -377,7 +377,7 @@ fn casts_visit_nearer_leaves_first() {
     let leaf_of = |slot: u32| ends.partition_point(|end| *end <= boxes[slot as usize].min[0]);
     for setup in Setup::each(&[Jobs::Serial]) {
         let world = &*world.with(setup);
-        for start in [-10.0, 1000.5, 8000.5, 15_000.5, 16_010.0] {
+        for start in [-10.0, 1500.5, 8400.5, 15_500.5, 16_010.0] {
             for direction in [1.0, -1.0] {
                 let cast = Cast::ray([start, 0.5, 0.5], [direction, 0.0, 0.0], f32::INFINITY);
                 let mut leaves = Vec::new();
