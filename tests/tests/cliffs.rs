@@ -494,7 +494,7 @@ fn planes_that_no_longer_fit_are_made_anew() {
     assert!((2..6).contains(&anew[0]), "{reasons:?}");
 }
 
-/// A crowd that goes on and leaves one behind at each place: there is a level for each of them, until there are no more levels, or
+/// A row that goes on and leaves one behind at each place: there is a level for each of them, until there are no more levels, or
 /// leaves, and the whole tree is made anew.
 #[test]
 fn trees_that_have_grown_too_deep_are_made_anew() {
@@ -502,16 +502,16 @@ fn trees_that_have_grown_too_deep_are_made_anew() {
     let config = Config::new(ample(COUNT, 40 * COUNT)).with_movers_only(Choice::Never);
     let mut slab = Slab::new::<u32>(&config);
     let mut checked = Checked::<u32>::new(slab.world(&config));
-    let mut boxes = uniform(COUNT, 33);
+    let mut boxes: Vec<Aabb> = (0..COUNT).map(|k| at([1.5 * k as f32, 0.0, 0.0], [1.0; 3])).collect();
     checked.insert_many(&boxes);
     checked.step(SETUP);
     let mut reasons = Vec::new();
     for frame in 0..150 {
-        boxes[frame + 1..].iter_mut().for_each(|b| *b = shifted(b, [100.0, 0.0, 0.0]));
+        boxes[frame + 1..].iter_mut().for_each(|b| *b = shifted(b, [4000.0, 0.0, 0.0]));
         reasons.push(checked.step_over(&boxes, SETUP).stats.reason);
     }
     let outgrown = reasons.iter().filter(|reason| **reason == Reason::Outgrown).count();
-    assert!((1..=15).contains(&outgrown), "{outgrown} times: {reasons:?}");
+    assert!((1..=50).contains(&outgrown), "{outgrown} times: {reasons:?}");
 }
 
 /// Another object is large in each of many steps with few movers: none is taken for large afterwards.
