@@ -5,7 +5,6 @@ use crate::config::{EVENTS, TREE};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 use crate::id::Index;
-use crate::memory::layout::reports_margins;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::objects::Objects;
@@ -68,25 +67,21 @@ fn ingest_blocks<I: Index>(
     (slots, regrows): (usize, bool),
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
-    let ((predicted, renews), len) = (parts.fat_boxes(), block_len(slots));
-    let reports_margins = reports_margins(parts.config());
-    let resting = if parts.state.objects.resting != 0 { &*parts.resting } else { &[] };
-    let fat = if parts.boxes.tight { &mut [] } else { &mut *parts.boxes.fat };
-    let margins = &*parts.boxes.margins;
-    let before = if parts.state.pairs.before_unknown != 0 { &mut [] } else { &mut *parts.boxes.before };
+    let (unkept, len) = (parts.state.pairs.before_unknown != 0, block_len(slots));
+    let Objects { now, given, fat: all, mut moved, mut changed, before, resting, .. } = parts.objects();
+    let before = if unkept { &mut [] } else { before };
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (
-        (Chunks::new(parts.boxes.now.span_mut(0, slots), len), Chunks::optional(parts.boxes.given, len)),
-        Chunks::optional(fat, len),
+        (Chunks::new(now.span_mut(0, slots), len), Chunks::optional(given, len)),
+        Chunks::optional(all.boxes, len),
         Chunks::optional(before, len),
-        (parts.moved.blocks(len), parts.changed.blocks(len)),
+        (moved.blocks(len), changed.blocks(len)),
         Chunks::new(&mut found, 1),
     );
     context.each(blocks, |block, ((now, given), fat, before, (moved, changed), found)| {
         let first = block * len;
-        let margins = margins.get(first..).unwrap_or_default();
-        let motions = Motions::default();
-        let fat = FatBoxes { boxes: fat, margins, reports_margins, predicted, renews, regrows, motions };
+        let margins = all.margins.get(first..).unwrap_or_default();
+        let fat = FatBoxes { boxes: fat, margins, regrows, ..all };
         let (moved, changed) = (moved.into(), changed.into());
         let resting = resting.get(first / 32..).unwrap_or_default();
         let objects = Objects { now, cut: &mut [], given, fat, moved, changed, before, resting };

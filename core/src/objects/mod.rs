@@ -56,8 +56,9 @@ impl<I: Index> Parts<'_, I> {
         }
     }
 
-    /// The arrays of all slots.
+    /// The arrays of all slots, to change some.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
+        self.state.objects.dirty = 1;
         let (predicted, renews) = self.fat_boxes();
         let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
         let (margins, motions) = (&*self.boxes.margins, Motions::default());

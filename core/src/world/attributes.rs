@@ -82,8 +82,7 @@ impl<I: Index> World<'_, I> {
         // So that steps pass over its box in the caller's array.
         bits::set(parts.resting, slot);
         let objects = &mut parts.state.objects;
-        (objects.live, objects.disabled) = (objects.live - 1, objects.disabled + 1);
-        (objects.resting, objects.dirty) = (1, 1);
+        (objects.live, objects.disabled, objects.resting) = (objects.live - 1, objects.disabled + 1, 1);
     }
 
     /// As where an object comes, but the slot had the same object before.
@@ -94,7 +93,6 @@ impl<I: Index> World<'_, I> {
         bits::clear(parts.resting, slot);
         let objects = &mut parts.state.objects;
         (objects.live, objects.disabled) = (objects.live + 1, objects.disabled - 1);
-        objects.dirty = 1;
         parts.state.lists.stale = 1;
     }
 
@@ -213,7 +211,6 @@ impl<I: Index> World<'_, I> {
     fn ask_again(&mut self, slot: usize) {
         self.parts.filters.changed.set(slot);
         self.parts.objects().touch(slot);
-        self.parts.state.objects.dirty = 1;
     }
 
     /// Sets how far an object may move before it counts as moved, in place of the world's margin. It counts
@@ -228,7 +225,6 @@ impl<I: Index> World<'_, I> {
         if !self.parts.boxes.now.at(slot).is_empty() {
             let bounds = self.parts.bounds(slot);
             self.parts.objects().anchor(slot, bounds);
-            self.parts.state.objects.dirty = 1;
         }
         Ok(())
     }

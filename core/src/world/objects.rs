@@ -250,7 +250,6 @@ impl<'m, I: Index> World<'m, I> {
             values.former.get_mut(at).into_iter().zip(former_value).for_each(|(to, value)| *to = value);
         }
         parts.state.objects.has_inserted = 1;
-        parts.state.objects.dirty = 1;
         parts.state.lists.stale = 1;
         // The generation is not zero.
         Id::new(slot, generation).ok_or(Error::NotAWorld)
@@ -259,10 +258,7 @@ impl<'m, I: Index> World<'m, I> {
     /// Gives living objects other boxes.
     fn accept(&mut self, ids: &[Id], boxes: impl Iterator<Item = KeyBox>) {
         let parts = &mut self.parts;
-        for id in ids {
-            parts.state.objects.dirty = 1;
-            bits::clear(parts.resting, id.slot() as usize);
-        }
+        ids.iter().for_each(|id| bits::clear(parts.resting, id.slot() as usize));
         let mut objects = parts.objects();
         for (id, bounds) in ids.iter().zip(boxes) {
             objects.accept(id.slot() as usize, bounds);
@@ -274,7 +270,6 @@ impl<'m, I: Index> World<'m, I> {
     fn remove_slot(&mut self, slot: usize) {
         let parts = &mut self.parts;
         let next = parts.state.objects.free;
-        parts.state.objects.dirty = 1;
         bits::clear(parts.resting, slot);
         if parts.boxes.now.at(slot).is_empty() {
             parts.state.objects.disabled -= 1;

@@ -76,7 +76,6 @@ impl<I: Index> World<'_, I> {
             rounded += u32::from(!exact);
         }
         // Records are as the old origin had them.
-        parts.state.objects.dirty = 1;
         parts.state.tree.filled = 0;
         for Split { plane, .. } in
             parts.tree.splits.iter_mut().take(2 * parts.state.tree.count as usize).skip(1)
