@@ -8,7 +8,7 @@ use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::objects::Objects;
-use crate::objects::margins::{FatBoxes, Motions};
+use crate::objects::margins::FatBoxes;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::simd::kernels::{Kernels, run};
@@ -17,7 +17,8 @@ use crate::simd::{Simd, call};
 /// What the pass found in a block of slots, or in all.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Intake {
-    pub(crate) motions: Motions,
+    /// Boxes that left their fat boxes.
+    pub(crate) outran: u32,
     /// Boxes that were refused.
     pub(crate) rejected: u32,
     /// The lowest slot among them.
@@ -50,8 +51,7 @@ pub(crate) fn ingest<I: Index>(
     }
     let mut sum = Intake::default();
     for intake in ingest_blocks(parts, bounds, (slots, regrows), context) {
-        sum.motions.moved_inside_margin |= intake.motions.moved_inside_margin;
-        sum.motions.outran += intake.motions.outran;
+        sum.outran += intake.outran;
         sum.first_rejected = sum.first_rejected.or(intake.first_rejected);
         sum.rejected += intake.rejected;
     }
@@ -134,7 +134,7 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
             take_in(first, bounds, of, word, taken, found);
         }
     }
-    Intake { motions: objects.fat.motions, ..intake }
+    Intake { outran: objects.fat.outran, ..intake }
 }
 
 /// Takes in the boxes of the slots of a word one by one, but for those that are done with.
@@ -192,7 +192,7 @@ fn take_in(
                 } else {
                     same |= this;
                 }
-                fat.motions = fat_boxes.motions;
+                fat.outran = fat_boxes.outran;
                 continue;
             }
             if let Some(before) = before {

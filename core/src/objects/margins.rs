@@ -24,14 +24,6 @@ pub(crate) struct FatBoxes<'o> {
     pub(crate) renews: bool,
     /// In a fat world: whether it gets a new one that is reported.
     pub(crate) regrows: bool,
-    pub(crate) motions: Motions,
-}
-
-/// What new boxes meant to objects with fat boxes.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Motions {
-    /// Whether a box changed inside its fat box, which stays.
-    pub(crate) moved_inside_margin: bool,
     /// Boxes that left their fat boxes.
     pub(crate) outran: u32,
 }
@@ -68,7 +60,7 @@ impl FatBoxes<'_> {
             others |= u32::from(last != given) << bit;
         }
         let left = others & !simd.inside(old, given);
-        self.motions.outran += left.count_ones();
+        self.outran += left.count_ones();
         let (mut to, grows) = (*old, if self.regrows { others } else { left });
         if grows != 0 {
             let mut grown = *old;
@@ -132,7 +124,7 @@ impl FatBoxes<'_> {
         let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut());
         let Some(fat) = fat.filter(|_| TREE) else { return 0 };
         let contained = others & simd.inside(fat, new);
-        self.motions.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
+        self.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
         let stay = if self.renews { 0 } else { contained };
         if others != stay {
             let mut made = *fat;

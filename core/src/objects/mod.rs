@@ -10,8 +10,7 @@ use crate::id::Index;
 use crate::memory::layout::reports_margins;
 use crate::memory::slab::Parts;
 use crate::memory::slot_set::SlotSet;
-use crate::memory::state::ObjectState;
-use crate::objects::margins::{FatBoxes, Motions};
+use crate::objects::margins::FatBoxes;
 
 /// The arrays of some consecutive slots. Positions count from the first of them.
 pub(crate) struct Objects<'o> {
@@ -34,6 +33,11 @@ impl<I: Index> Parts<'_, I> {
     pub(crate) fn fat_boxes(&self) -> (bool, bool) {
         let may = !self.sizes.is_small();
         (may && self.config().predicted, may && self.state.step.renews != 0)
+    }
+
+    /// In a step: whether a box has changed inside its fat box since the last complete one.
+    pub(crate) fn any_stays(&self) -> bool {
+        TREE && self.changed.count() > self.moved.count()
     }
 
     /// The box of an object as it was given last.
@@ -61,9 +65,8 @@ impl<I: Index> Parts<'_, I> {
         self.state.objects.dirty = 1;
         let (predicted, renews) = self.fat_boxes();
         let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
-        let (margins, motions) = (&*self.boxes.margins, Motions::default());
-        let reports_margins = reports_margins(&self.sizes.config);
-        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, regrows: false, motions };
+        let (margins, reports_margins) = (&*self.boxes.margins, reports_margins(&self.sizes.config));
+        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, regrows: false, outran: 0 };
         Objects {
             now: self.boxes.now,
             cut: self.boxes.cut,
@@ -73,17 +76,6 @@ impl<I: Index> Parts<'_, I> {
             changed: self.changed.reborrow(),
             before: self.boxes.before,
             resting: if self.state.objects.resting != 0 { self.resting } else { &[] },
-        }
-    }
-}
-
-impl ObjectState {
-    /// Notes what new boxes meant to objects with margins.
-    pub(crate) fn note(&mut self, motions: Motions) {
-        // Nothing is written where there are no margins: that is seen in a step of 16 objects.
-        if motions.moved_inside_margin || motions.outran > 0 {
-            self.moved_inside_margin |= u8::from(motions.moved_inside_margin);
-            self.outran = self.outran.saturating_add(motions.outran);
         }
     }
 }
@@ -160,7 +152,6 @@ impl Objects<'_> {
     /// Notes that some objects of a word of the bit sets have other boxes, of which some stay in their fat
     /// boxes.
     pub(crate) fn note(&mut self, word: usize, changed: u32, contained: u32) {
-        self.fat.motions.moved_inside_margin |= contained != 0;
         self.moved.add(word, changed & !contained);
         self.changed.add(word, changed);
     }

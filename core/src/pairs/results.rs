@@ -57,7 +57,7 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
     let PairState { parked, kept, kept_result, surplus_parked, before_unknown, .. } = parts.state.pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
     let (mut staying, mut coming, by_pairs) = (kept_result, 0, before_unknown != 0);
-    if parts.state.objects.moved_inside_margin != 0 {
+    if parts.any_stays() {
         let now = &*parts.boxes.now;
         let pairs = &mut *parts.output.pairs;
         staying = parked + partition(context, pairs.span_mut(parked, kept_result - parked), Overlap(now));

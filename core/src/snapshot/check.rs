@@ -50,8 +50,8 @@ pub(crate) fn all<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 /// Flags are flags, and counts agree.
 fn numbers<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
     let (objects, pairs) = (&stored.state.objects, &stored.state.pairs);
-    let (came, inside) = (objects.has_inserted.saturating_sub(1), objects.moved_inside_margin);
-    let flags = [objects.dirty, objects.resting, came, inside, pairs.complete, pairs.before_unknown];
+    let came = objects.has_inserted.saturating_sub(1);
+    let flags = [objects.dirty, objects.resting, came, pairs.complete, pairs.before_unknown];
     for (at, flag) in flags.into_iter().enumerate() {
         check(flag <= 1, "a number that is neither yes nor no", at)?;
     }
@@ -136,12 +136,10 @@ fn last_step<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
 /// Each pair has two slots in order. If nothing has changed since, the boxes of a pair of the result overlap,
 /// and the filters let it through.
 fn pairs<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
-    let Stored { moved, settled, changed, filters, state, .. } = stored;
+    let Stored { moved, settled, changed, filters, .. } = stored;
     let in_order = |pair: &Pair<I>| pair[0] < pair[1] && pair[1].at() < stored.now.len();
     let boxes = &stored.now;
-    // Without the set, also before a move, nothing tells which objects moved inside their margins.
-    let known = state.objects.moved_inside_margin == 0 || changed.len() > 0 && state.pairs.unkept == 0;
-    let stays = |slot: usize| known && ![moved, settled, changed].iter().any(|set| set.has(slot));
+    let stays = |slot: usize| ![moved, settled, changed].iter().any(|set| set.has(slot));
     let meets = |a, b| meet(&filters.at(a), &filters.at(b), |class| stored.classes.at(class));
     for (at, pair) in stored.pairs.iter().enumerate() {
         check(in_order(&pair), "a pair is not of two slots in order", at)?;

@@ -21,7 +21,7 @@ use stored::Stored;
 type Header = [u64; 3];
 
 /// The version; it also tells the byte order.
-const MAGIC: u64 = 0x7472_6973_6170_000f;
+const MAGIC: u64 = 0x7472_6973_6170_0010;
 
 /// Snapshots: plain bytes, for files, for players who join late, and to go back.
 ///

@@ -212,10 +212,13 @@ impl<I: Index> Stored<'_, I> {
                 to.state.pairs.before_unknown = 1;
             }
         }
-        // Where nothing else tells which boxes have changed.
+        // Where one set is not kept, the other tells which boxes have changed.
         if self.changed.len() == 0 {
             to.changed.load(self.moved.bytes);
             self.settled.slots().for_each(|slot| to.changed.set(slot));
+        } else if to.changed.words.is_empty() {
+            to.moved.load(self.changed.bytes);
+            to.state.objects.dirty = 1;
         }
         let former = &mut to.former.generations;
         self.of_set(&self.reused, &self.former).for_each(|(slot, item)| former.put(slot, item));

@@ -14,7 +14,6 @@ use core::ops::ControlFlow;
 pub(super) fn pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
     let (parts, state) = (&world.parts, &*world.parts.state);
     let (swept, now, result) = (parts.boxes.swept(), &*parts.boxes.now, state.pairs.result());
-    let keeps_changed = !parts.changed.words.is_empty();
     for (at, pair) in parts.output.pairs.span(0, state.pairs.swept as usize).iter().enumerate() {
         let [a, b] = pair.map(Index::at);
         check(a < b && b < state.objects.slots as usize, "a pair is not of two slots in order", at)?;
@@ -27,9 +26,7 @@ pub(super) fn pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
             continue;
         }
         check(swept.at(a).overlaps(&swept.at(b)), "a pair does not overlap", at)?;
-        // Without a move inside a margin the next step divides no pairs, whatever is marked as changed.
-        let unchanged =
-            state.objects.moved_inside_margin == 0 || keeps_changed && is_clear_of(parts.changed.words, pair);
+        let unchanged = parts.changed.words.is_empty() || is_clear_of(parts.changed.words, pair);
         let divided =
             !unchanged || !parts.boxes.are_fat() || now.at(a).overlaps(&now.at(b)) == result.contains(&at);
         check(divided, "a pair overlaps and is surplus, or does not and is reported", at)?;

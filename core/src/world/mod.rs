@@ -135,9 +135,7 @@ impl<I: Index> World<'_, I> {
         let swept_anew = if cfg!(feature = "large") { policy::renew(parts, moved) } else { moved };
         let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
-        if route.path == Path::Unchanged
-            && (parts.sizes.is_small() || parts.state.objects.moved_inside_margin == 0)
-        {
+        if route.path == Path::Unchanged && (parts.sizes.is_small() || !parts.any_stays()) {
             Self::keep(parts, shared);
             return None;
         }
@@ -170,7 +168,7 @@ impl<I: Index> World<'_, I> {
             policy::foresee(parts, &bounds, regrows);
         }
         let intake = ingest(parts, &bounds, regrows, context);
-        parts.state.objects.note(intake.motions);
+        parts.state.objects.outran = parts.state.objects.outran.saturating_add(intake.outran);
         let slot = intake.first_rejected?;
         let first = Id::new(slot, parts.generations.at(slot as usize));
         first.map(|first| Rejected { first, count: intake.rejected })
@@ -203,7 +201,6 @@ impl<I: Index> World<'_, I> {
             parts.changed.move_to(&mut parts.outdated);
         }
         parts.moved.clear();
-        parts.state.objects.moved_inside_margin = 0;
         parts.state.objects.outran = 0;
         parts.filters.changed.clear();
         parts.state.objects.has_inserted = 0;

@@ -263,8 +263,8 @@ impl<'m, I: Index> World<'m, I> {
         for (id, bounds) in ids.iter().zip(boxes) {
             objects.accept(id.slot() as usize, bounds);
         }
-        let motions = objects.fat.motions;
-        parts.state.objects.note(motions);
+        let outran = objects.fat.outran;
+        parts.state.objects.outran = parts.state.objects.outran.saturating_add(outran);
     }
 
     fn remove_slot(&mut self, slot: usize) {

@@ -25,8 +25,7 @@ pub(crate) struct ObjectState {
     pub(crate) resting: u8,
     /// Whether an object has come since the last complete step: 1 if since the last step, 2 if before it alone.
     pub(crate) has_inserted: u8,
-    /// Whether a box has changed inside its fat box since the last complete step.
-    pub(crate) moved_inside_margin: u8,
+    pub(super) unused: u8,
 }
 
 /// The sorted list: of `step::lists` and `sweep::small`.
