@@ -197,18 +197,18 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 14] = [
     ("", 1114),
     ("geometry", 1102),
-    ("memory", 1787),
-    ("objects", 660),
-    ("pairs", 684),
+    ("memory", 1777),
+    ("objects", 639),
+    ("pairs", 667),
     ("parallel", 498),
     ("query", 1229),
     ("simd", 2060),
-    ("snapshot", 599),
-    ("step", 731),
+    ("snapshot", 598),
+    ("step", 736),
     ("sweep", 1362),
     ("tree", 2153),
     ("validate", 376),
-    ("world", 1612),
+    ("world", 1599),
 ];
 
 #[test]

@@ -129,8 +129,9 @@ macro_rules! sections {
 
             /// The pairs, and all that a sweep writes to.
             output: OutputParts ['m, I] {
-                /// The overlaps of swept boxes: see `PairState::swept`.
-                pairs: &'m mut [Pair<I>] = [Pair<I>; s.pairs], used state.pairs.swept as usize;
+                /// The overlaps of swept boxes: see `PairState::swept`. Some may stand at the end.
+                pairs: &'m mut [Pair<I>] = [Pair<I>; s.pairs],
+                    used if state.pairs.surplus_parked > 0 { s.pairs } else { state.pairs.swept as usize };
                 /// With events: the pairs of the last complete step, in a step with few movers without the
                 /// parked ones. After a step the lost pairs come first. This buffer and `pairs` change
                 /// places, so nothing is copied: see

@@ -1,10 +1,10 @@
 //! Keeps pairs from one step to the next. Pairs of two resting objects are parked, so that a step with few
 //! movers does not touch them (paper, section III.B.1; erratum E6).
 //!
-//! Parked pairs are at the front of the pair buffer. Neither object of such a pair is *active*. While only
-//! active objects get other boxes, parked pairs stay, and a step deals with the others alone. When another
-//! object gets another box, it becomes active, and its parked pairs are unparked. When far fewer objects get
-//! other boxes than are active, the others become inactive again.
+//! Parked pairs of the result are at the front of the pair buffer, parked surplus is at its end. Neither object
+//! of such a pair is *active*. While only active objects get other boxes, parked pairs stay, and a step deals
+//! with the others alone. When another object gets another box, it becomes active, and its parked pairs are
+//! unparked. When far fewer objects get other boxes than are active, the others become inactive again.
 //!
 //! With margins, an object that moves inside its fat box is active too, since its exact pairs change. So no
 //! object of a parked surplus pair is active either.
@@ -14,26 +14,27 @@ use crate::config::{EVENTS, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
-use crate::pairs::partition::Test::ClearOf;
-use crate::pairs::partition::partition;
+use crate::pairs::partition::Test::{ClearOf, Holds};
+use crate::pairs::partition::{is_clear_of, partition};
 use crate::parallel::context::StepContext;
 
 /// This many times as many objects may be active as have another box, before the others become inactive.
 const ACTIVE_FOR_EACH: u32 = 8;
 
 /// For a step that tests only moved objects: brings the pairs of two resting ones to the front of the buffer,
-/// pairs of the result first; returns how many. With events, all other pairs are set aside to be compared.
+/// pairs of the result first; returns how many stand there, without the parked surplus. With events, all other
+/// pairs are set aside to be compared.
 pub(crate) fn persistent<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u64 {
     park(parts, context);
     let Parts { state, moved, output, .. } = parts;
-    let (swept, result) = (state.pairs.swept as usize, state.pairs.result().end);
-    let (mut kept, mut kept_result, mut gone) = (swept, result, 0);
+    let (front, result) = (state.pairs.in_front(), state.pairs.reported as usize);
+    let (mut kept, mut kept_result, mut gone) = (front, result, 0);
     if moved.count() > 0 {
         let (parked, clear) = (state.pairs.parked as usize, ClearOf(moved.words));
         kept_result = parked + partition(context, output.pairs.span_mut(parked, result - parked), clear);
         gone = result - kept_result;
         output.previous.copy_in(output.pairs.span(kept_result, gone));
-        let surplus = partition(context, output.pairs.span_mut(result, swept - result), clear);
+        let surplus = partition(context, output.pairs.span_mut(result, front - result), clear);
         exchange(output.pairs.span_mut(kept_result, gone + surplus), gone);
         kept = kept_result + surplus;
     }
@@ -67,21 +68,14 @@ pub(crate) fn set_aside<I: Index>(parts: &mut Parts<'_, I>, from: usize) {
 /// two buffers change places.
 pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     if EVENTS && TREE && parts.state.pairs.complete == 0 {
-        // A step that did not end, or had no room for its pairs, has set the others aside.
-        set_aside(parts, parts.state.pairs.result().start);
+        // A step that did not end has set the others aside.
+        set_aside(parts, 0);
     }
     let Parts { state, output, .. } = parts;
-    let result = state.pairs.result();
     if EVENTS && parts.sizes.previous > 0 && state.pairs.complete != 0 {
-        // The surplus in front is dropped. The last pairs of the result take its place.
-        if TREE {
-            for at in 0..result.start.min(result.len()) {
-                output.pairs.put(at, output.pairs.at(result.end - 1 - at));
-            }
-        }
         core::mem::swap(&mut output.pairs, &mut output.previous);
         state.pairs.swapped ^= 1;
-        state.pairs.previous = result.len() as u64;
+        state.pairs.previous = state.pairs.reported;
     }
     state.pairs.complete = 0;
     (state.pairs.parked, state.pairs.surplus_parked) = (0, 0);
@@ -89,7 +83,7 @@ pub(crate) fn start_over<I: Index>(parts: &mut Parts<'_, I>) {
     state.pairs.active = u32::MAX;
 }
 
-/// Updates the active objects and the parked pairs. O(parked pairs) if objects become active, else O(pairs).
+/// Updates the active objects, and if these are others the parked pairs. O(stirring objects), or O(pairs).
 fn park<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let Parts { state, moved, changed, active, output, .. } = parts;
     // Includes boxes that have changed inside their fat boxes: they may overlap others now that they did not
@@ -105,33 +99,24 @@ fn park<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
         let known = (1u64 << (state.tree.known as usize).saturating_sub(32 * index).min(32)) - 1;
         paired |= u64::from(new) & known;
     });
-    let PairState { swept, parked, surplus_parked, .. } = state.pairs;
-    let (pairs, swept) = (&mut *output.pairs, swept as usize);
-    let (mut start, mut parked, mut end) =
-        (surplus_parked as usize, parked as usize, state.pairs.result().end);
-    if paired != 0 {
-        let surplus = partition(context, pairs.span_mut(0, start), ClearOf(active));
-        let result = partition(context, pairs.span_mut(start, parked - start), ClearOf(active));
-        // The other surplus goes behind the parked result, then behind all of the result.
-        let unparked = start - surplus;
-        exchange(pairs.span_mut(surplus, unparked + result), unparked);
-        exchange(pairs.span_mut(surplus + result, end - surplus - result), unparked);
-        (start, parked, end) = (surplus, surplus + result, end - unparked);
-        // Before the executor is asked again, which may panic.
-        (state.pairs.surplus_parked, state.pairs.parked) = (start as u32, parked as u32);
-    }
     // Each word has at least one object, which is mostly enough to decide.
     let too_many = |count: u32| state.pairs.active > ACTIVE_FOR_EACH.saturating_mul(count);
-    if too_many(words) && too_many(stirring.count()) {
+    let too_many = too_many(words) && too_many(stirring.count());
+    if too_many {
         active.copy_in(stirring.words);
         state.pairs.active = stirring.count();
-        let result = partition(context, pairs.span_mut(parked, end - parked), ClearOf(active));
-        let surplus = partition(context, pairs.span_mut(end, swept - end), ClearOf(active));
-        // The surplus goes before the result that is not parked, then before all of the result.
-        let others = end - parked - result;
-        exchange(pairs.span_mut(parked + result, others + surplus), others);
-        exchange(pairs.span_mut(start, parked + result - start + surplus), parked + result - start);
-        (start, parked) = (start + surplus, parked + result + surplus);
+    } else if paired == 0 {
+        return;
     }
-    (state.pairs.surplus_parked, state.pairs.parked) = (start as u32, parked as u32);
+    let pairs = &mut *output.pairs;
+    let (result, swept, front) =
+        (state.pairs.reported as usize, state.pairs.swept as usize, state.pairs.in_front());
+    state.pairs.parked = partition(context, pairs.span_mut(0, result), ClearOf(active)) as u32;
+    // All surplus comes together, then what is parked of it goes to the end.
+    let free = pairs.len() - swept;
+    exchange(pairs.span_mut(front, swept + free - front), free);
+    let stirs = |pair: &Pair<I>| !is_clear_of(active, pair);
+    let others = result + partition(context, pairs.span_mut(result, swept - result), Holds(&stirs));
+    exchange(pairs.span_mut(others, swept + free - others), swept - others);
+    state.pairs.surplus_parked = (swept - others) as u32;
 }

@@ -54,8 +54,9 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
         return sort_out_small(parts, swept, complete);
     }
     let events = EVENTS && parts.sizes.previous > 0;
-    let PairState { parked, kept, kept_result, surplus_parked, before_unknown, .. } = parts.state.pairs;
+    let PairState { parked, kept, kept_result, before_unknown, .. } = parts.state.pairs;
     let (parked, kept, kept_result) = (parked as usize, kept as usize, kept_result as usize);
+    let front = parts.state.pairs.in_front();
     let (mut staying, mut coming, by_pairs) = (kept_result, 0, before_unknown != 0);
     if parts.any_stays() {
         let now = &*parts.boxes.now;
@@ -67,10 +68,10 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
     let mut asked = parts.state.pairs.previous as usize;
     if events {
         // If a step has no room for all its pairs, the next one needs all of the last complete result.
-        set_aside(parts, if complete { staying } else { parked });
+        set_aside(parts, if complete { staying } else { 0 });
     }
-    let pairs = parts.output.pairs.span_mut(parked, swept - parked);
-    let new = pairs.span_mut(kept - parked, swept - kept);
+    let pairs = parts.output.pairs.span_mut(parked, front - parked);
+    let new = pairs.span_mut(kept - parked, front - kept);
     let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
     let result = if surplus.is_some() { passing } else { new.len() };
     let mut persisting = result;
@@ -97,7 +98,7 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
         parts.state.pairs.lost = lost as u64;
         parts.state.pairs.found = (coming + result - persisting) as u64;
     }
-    parts.state.pairs.reported = (staying + coming + result) as u64 - u64::from(surplus_parked);
+    parts.state.pairs.reported = (staying + coming + result) as u64;
     if kept == parked {
         return;
     }
@@ -197,12 +198,9 @@ pub(crate) fn sort_results<I: Index>(parts: &mut Parts<'_, I>) {
     if state.pairs.complete == 0 {
         return;
     }
-    // The parked surplus in front of the result goes behind it. Then nothing is parked.
-    let surplus = core::mem::take(&mut state.pairs.surplus_parked) as usize;
-    let (result, found) = (state.pairs.reported as usize, state.pairs.found as usize);
-    let persisting = result - found;
-    exchange(output.pairs.span_mut(0, surplus + persisting), surplus);
-    exchange(output.pairs.span_mut(persisting, surplus + found), surplus);
+    let found = state.pairs.found as usize;
+    let persisting = state.pairs.reported as usize - found;
+    // None of them is parked any more.
     (state.pairs.parked, state.pairs.active) = (0, u32::MAX);
     sort(output.pairs.span_mut(0, persisting));
     sort(output.pairs.span_mut(persisting, found));

@@ -149,6 +149,9 @@ fn pairs<I: Index>(stored: &Stored<'_, I>) -> Result<(), Invalid> {
             check(filters.len() == 0 || meets(a, b), "a pair that the filters do not let through", at)?;
         }
     }
-    let mut previous = stored.previous.iter().flat_map(Packed::iter);
-    check(previous.all(|pair| in_order(&pair)), "a pair of the last step is not of two slots", 0)
+    check(
+        stored.previous.iter().all(|pair| in_order(&pair)),
+        "a pair of the last step is not of two slots",
+        0,
+    )
 }

@@ -103,8 +103,8 @@ macro_rules! stored {
             $($(pub(crate) $saved: Packed<'b, $item>,)?)*
             $($($(pub(crate) $gsaved: Packed<'b, $gitem>,)?)*)*
             pub(crate) pairs: Packed<'b, Pair<I>>,
-            /// With events: pairs of the step before. In a slab some of them are parked pairs.
-            pub(crate) previous: [Packed<'b, Pair<I>>; 2],
+            /// With events: pairs of the step before.
+            pub(crate) previous: Packed<'b, Pair<I>>,
             /// Of changed slots: the boxes of the last complete step.
             pub(crate) before: Packed<'b, KeyBox>,
             /// Of reused slots: the generations and values of former objects.
@@ -119,16 +119,13 @@ macro_rules! stored {
             pub(crate) fn of(parts: &'b Parts<'_, I>) -> Self {
                 let state = parts.state.portable();
                 let ($s, $n) = (&parts.sizes, Saved::of(&state));
-                let (pairs, parked) = (&parts.state.pairs, parts.state.previous_parked());
-                let first = parts.output.previous.span(0, pairs.previous() as usize);
-                let parked = parts.output.pairs.span(parked.start, parked.len());
                 Self {
                     state,
                     config: $s.config,
                     $($($saved: Packed::new(parts.$name.items()[0].span(0, ($count).min($len))),)?)*
                     $($($($gsaved: Packed::new(parts.$group.$gname.items()[0].span(0, ($gcount).min($glen))),)?)*)*
-                    pairs: Packed::new(parts.output.pairs.span(pairs.result().start, pairs.reported as usize)),
-                    previous: [first, parked].map(Packed::new),
+                    pairs: Packed::new(parts.output.pairs.span(0, state.pairs.reported as usize)),
+                    previous: Packed::new(parts.output.previous.span(0, state.pairs.previous as usize)),
                     before: Packed::new(parts.boxes.before),
                     former: Packed::new(parts.former.generations),
                     former_values: Packed::new(parts.values.former),
@@ -146,7 +143,7 @@ macro_rules! stored {
                     $($($saved: Packed::cut(bytes, ($count).min($len))?,)?)*
                     $($($($gsaved: Packed::cut(bytes, ($gcount).min($glen))?,)?)*)*
                     pairs: Packed::cut(bytes, state.pairs.reported as usize)?,
-                    previous: [Packed::cut(bytes, state.pairs.previous as usize)?, Packed::cut(bytes, 0)?],
+                    previous: Packed::cut(bytes, state.pairs.previous as usize)?,
                     before: Packed::cut(bytes, 0)?,
                     former: Packed::cut(bytes, 0)?,
                     former_values: Packed::cut(bytes, 0)?,
@@ -165,7 +162,7 @@ macro_rules! stored {
                 $($(to(self.$saved.bytes);)?)*
                 $($($(to(self.$gsaved.bytes);)?)*)*
                 to(self.pairs.bytes);
-                self.previous.iter().for_each(|pairs| to(pairs.bytes));
+                to(self.previous.bytes);
                 self.of_set(&self.changed, &self.before).for_each(|(_, item)| to(bytemuck::bytes_of(&item)));
                 self.of_set(&self.reused, &self.former).for_each(|(_, item)| to(bytemuck::bytes_of(&item)));
                 let values = self.of_set(&self.reused, &self.former_values);
@@ -225,9 +222,7 @@ impl<I: Index> Stored<'_, I> {
         let former = &mut to.values.former;
         self.of_set(&self.reused, &self.former_values).for_each(|(slot, item)| former.put(slot, item));
         to.output.pairs.load(self.pairs.bytes);
-        let [first, parked] = &self.previous;
-        to.output.previous.load(first.bytes);
-        to.output.previous.get_mut(first.len()..).unwrap_or_default().load(parked.bytes);
+        to.output.previous.load(self.previous.bytes);
         met::set_all(to);
     }
 }

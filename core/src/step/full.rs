@@ -45,6 +45,8 @@ pub(super) fn full<I: Index>(
     // Lost pairs of a step that keeps none are told by boxes alone, while workers wait for the last leaves.
     let previous = previous.span_mut(0, if kept.is_none() { parts.state.pairs.previous as usize } else { 0 });
     let (ended, sizes) = (ended(&parts.boxes, parts.state), &parts.sizes);
+    let end = pairs.len() - parts.state.pairs.surplus_parked as usize;
+    let pairs = pairs.span_mut(0, end);
     let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, from, blocks: 0 };
     let (mut pairs, mut work) = (0, Work::default());
     let lost = partition_within(context, previous, &|_, _| (), Some(ended), &mut |_, other| {

@@ -35,7 +35,8 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
     let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
     let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;
-    let (blocks, sizes) = (count.div_ceil(per_block), &parts.sizes);
+    let end = pairs.len() - parts.state.pairs.surplus_parked as usize;
+    let (pairs, blocks, sizes) = (pairs.span_mut(0, end), count.div_ceil(per_block), &parts.sizes);
     let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, from, blocks: 0 };
     let (pairs, work) = collector.collect(context, blocks, &|| (), &|block, scratch, sink| {
         let start = block * per_block;

@@ -26,7 +26,7 @@ pub(crate) fn find<I: Index>(
 ) -> (Route, Swept) {
     parts.state.pairs.unkept = 0;
     let all = |pairs| (route, Swept { pairs, ..Swept::default() });
-    match route.path {
+    let (route, mut found) = match route.path {
         _ if parts.sizes.is_small() => all(lists::small(parts, context)),
         // Without fat boxes nothing is left to do.
         Path::Unchanged => {
@@ -38,7 +38,9 @@ pub(crate) fn find<I: Index>(
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
         Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => full::full(parts, route, context),
-    }
+    };
+    found.pairs += u64::from(parts.state.pairs.surplus_parked);
+    (route, found)
 }
 
 /// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all

@@ -55,7 +55,7 @@ const PAUSE: u8 = 64;
 /// What a step costs beyond a quiet one, if so many objects have left their fat boxes.
 fn upkeep(state: &State, moved: u64) -> u64 {
     let live = u64::from(state.objects.live).max(1);
-    let unparked = state.pairs.swept.saturating_sub(u64::from(state.pairs.parked));
+    let unparked = (state.pairs.in_front() as u64).saturating_sub(u64::from(state.pairs.parked));
     let each = FULL * cost_of_movers(state) / live;
     // To look whether a pair stays takes a 40th of what a full step takes for an object.
     let cost = (moved.saturating_mul(each) + FULL * unparked / 40) / live;
@@ -276,7 +276,7 @@ fn should_keep_pairs<I: Index>(parts: &Parts<'_, I>, moved: u32) -> bool {
     if pairs.saturating_mul(saved) <= cost || 8 * u64::from(moved) > 7 * live {
         return false;
     }
-    let list = parts.output.pairs.span(0, pairs as usize);
+    let list = parts.output.pairs.span(0, parts.state.pairs.in_front());
     let (mut looked, mut stay) = (0, 0);
     for pair in list.iter().step_by((list.len() / PAIR_SAMPLE).max(1)) {
         looked += 1;

@@ -13,11 +13,11 @@ use core::ops::ControlFlow;
 /// Checks all of it.
 pub(super) fn pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
     let (parts, state) = (&world.parts, &*world.parts.state);
-    let (swept, now, result) = (parts.boxes.swept(), &*parts.boxes.now, state.pairs.result());
-    for (at, pair) in parts.output.pairs.span(0, state.pairs.swept as usize).iter().enumerate() {
+    let (swept, now, front) = (parts.boxes.swept(), &*parts.boxes.now, state.pairs.in_front());
+    for (at, pair) in overlaps(parts).enumerate() {
         let [a, b] = pair.map(Index::at);
         check(a < b && b < state.objects.slots as usize, "a pair is not of two slots in order", at)?;
-        let is_parked = at < state.pairs.parked as usize;
+        let is_parked = at < state.pairs.parked as usize || at >= front;
         let parks = !parts.active.is_empty() && is_clear_of(parts.active, pair);
         let unknown = state.pairs.active == u32::MAX;
         check(parks || !is_parked, "a pair of an active object is parked", at)?;
@@ -27,11 +27,18 @@ pub(super) fn pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
         }
         check(swept.at(a).overlaps(&swept.at(b)), "a pair does not overlap", at)?;
         let unchanged = parts.changed.words.is_empty() || is_clear_of(parts.changed.words, pair);
-        let divided =
-            !unchanged || !parts.boxes.are_fat() || now.at(a).overlaps(&now.at(b)) == result.contains(&at);
+        let divided = !unchanged
+            || !parts.boxes.are_fat()
+            || now.at(a).overlaps(&now.at(b)) == ((at as u64) < state.pairs.reported);
         check(divided, "a pair overlaps and is surplus, or does not and is reported", at)?;
     }
     kept_pairs(world)
+}
+
+/// The overlaps of swept boxes, the parked surplus last.
+fn overlaps<'p, I: Index>(parts: &'p Parts<'_, I>) -> impl Iterator<Item = &'p Pair<I>> {
+    let (pairs, parked) = (&parts.output.pairs, parts.state.pairs.surplus_parked as usize);
+    pairs.span(0, parts.state.pairs.in_front()).iter().chain(pairs.span(pairs.len() - parked, parked))
 }
 
 /// Whether a step would keep a pair: neither object has moved.
@@ -53,8 +60,8 @@ fn kept_pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
         return Ok(());
     }
     let number = |[a, b]: [u32; 2]| u64::from(a) << 32 | u64::from(b);
-    let pairs = parts.output.pairs.span(0, state.pairs.swept as usize).iter();
-    let kept = sum(pairs.filter(|pair| is_kept(parts, pair)).map(|pair| number(pair.map(Index::slot))));
+    let kept =
+        sum(overlaps(parts).filter(|pair| is_kept(parts, pair)).map(|pair| number(pair.map(Index::slot))));
     let mut all = 0u64;
     for slot in 0..state.objects.slots {
         let bounds = parts.boxes.swept().at(slot as usize);

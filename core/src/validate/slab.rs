@@ -75,10 +75,7 @@ pub(super) fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let State { objects, lists, tree, pairs, step, .. } = state;
     let (parked, surplus, swept) = (u64::from(pairs.parked), u64::from(pairs.surplus_parked), pairs.swept);
-    let end = surplus.saturating_add(pairs.reported);
-    let (events, room) = (sizes.previous > 0, sizes.previous as u64);
-    // A step that finds all pairs anew adds the parked ones.
-    let more = if pairs.complete != 0 || !events { 0 } else { parked.saturating_sub(surplus) };
+    let (end, events) = (pairs.reported, sizes.previous > 0);
     let flags = [lists.stale, tree.uneven, pairs.unkept, pairs.swapped, pairs.before_unknown];
     let all = [
         (flags.iter().all(|flag| *flag <= 1), "a number that is neither yes nor no"),
@@ -94,13 +91,12 @@ pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
         (tree.subdivided.saturating_sub(1) <= tree.count, "more leaves are divided than there are"),
         (large::has_room(tree, tree.large as usize, sizes.straddlers), "more large objects than room"),
         (swept <= sizes.pairs as u64, "more pairs than room"),
-        (end <= swept, "more pairs are exact, or surplus and parked, than swept"),
-        (surplus <= parked && parked <= end, "more pairs are parked than there are, or less than surplus"),
-        (parked == 0 || sizes.tree > 0, "pairs are parked without a tree"),
-        (sizes.fat > 0 || surplus == 0 && end == swept, "surplus without fat boxes"),
+        (end.saturating_add(surplus) <= swept, "more pairs are exact, or surplus and parked, than swept"),
+        (parked + surplus == 0 || sizes.tree > 0, "pairs are parked without a tree"),
+        (sizes.fat > 0 || end == swept, "surplus without fat boxes"),
         (pairs.found.saturating_add(parked) <= end, "more pairs are found than there are"),
         (events || pairs.swapped == 0, "buffers that have not changed places"),
-        (pairs.previous.saturating_add(more) <= room, "more pairs of the last step than room"),
+        (pairs.previous <= sizes.previous as u64, "more pairs of the last step than room"),
     ];
     all.into_iter().enumerate().try_for_each(|(at, (holds, what))| check(holds, what, at))
 }

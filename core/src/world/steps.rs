@@ -6,6 +6,7 @@ use crate::error::{Error, Rejected};
 use crate::filter::Rule;
 use crate::geometry::boxes::Boxes;
 use crate::id::{Id, Index, Pair};
+use crate::memory::state::PairState;
 use crate::memory::stats::Stats;
 use crate::pairs::results;
 use crate::parallel::context::StepContext;
@@ -188,8 +189,7 @@ impl<I: Index> World<'_, I> {
     #[doc(alias("contacts", "collisions", "overlaps"))]
     #[must_use]
     pub fn pairs(&self) -> &[Pair<I>] {
-        let result = self.parts.state.pairs.result();
-        self.parts.output.pairs.span(result.start, result.len())
+        self.parts.output.pairs.span(0, self.parts.state.pairs.reported as usize)
     }
 
     /// With events: the pairs of the last step that the complete step before it did not have. Other objects
@@ -197,8 +197,8 @@ impl<I: Index> World<'_, I> {
     #[doc(alias("started", "begin_contact"))]
     #[must_use]
     pub fn found(&self) -> &[Pair<I>] {
-        let found = self.parts.state.pairs.found as usize;
-        self.parts.output.pairs.span(self.parts.state.pairs.result().end - found, found)
+        let PairState { reported, found, .. } = self.parts.state.pairs;
+        self.parts.output.pairs.span((reported - found) as usize, found as usize)
     }
 
     /// With events: the pairs of the complete step before that the last one has not. The slot of a removed

@@ -51,19 +51,13 @@ impl State {
         Self {
             setup: self.setup.portable(),
             tree: TreeState { leaves_in_use, fullest_leaf, ..TreeState::zeroed() },
-            pairs: self.pairs.portable(self.pairs.previous() + self.previous_parked().len() as u64),
+            pairs: self.pairs.portable(),
             // Each object gets a new fat box with its next box.
             step: StepState { renews: 1, age: 0, spent: 0, ..step },
             objects: self.objects,
             lists: ListState { stale: 1, ..ListState::zeroed() },
             stepping: 0,
         }
-    }
-
-    /// With events: the parked pairs of the step before, if the last one had no room for its pairs.
-    pub(crate) const fn previous_parked(&self) -> core::ops::Range<usize> {
-        let PairState { complete, surplus_parked, parked, .. } = self.pairs;
-        if complete != 0 || !self.setup.events() { 0..0 } else { surplus_parked as usize..parked as usize }
     }
 
     /// Whether this is such a state.

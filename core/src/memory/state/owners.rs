@@ -137,14 +137,14 @@ pub(crate) const fn large_nodes(depth: u8) -> usize {
 pub(crate) struct PairState {
     /// Overlaps of swept boxes in the pair buffer: parked, persisting, found, and, with fat boxes, surplus.
     pub(crate) swept: u64,
-    /// All but the surplus: see [`result`](Self::result).
+    /// All but the surplus: the result, at the front.
     pub(crate) reported: u64,
     pub(crate) found: u64,
     pub(crate) lost: u64,
     /// With events: pairs of the last complete result in the other buffer; in a step with few movers without
     /// the parked ones.
     pub(crate) previous: u64,
-    /// Parked pairs at the front of the pair buffer, and how many of them are surplus, which comes first: see
+    /// Parked pairs of the result at the front of the pair buffer, and parked surplus at its end: see
     /// `persistent`.
     pub(crate) parked: u32,
     pub(crate) surplus_parked: u32,
@@ -165,22 +165,22 @@ pub(crate) struct PairState {
 }
 
 impl PairState {
-    /// The result in the pair buffer.
-    pub(crate) const fn result(&self) -> core::ops::Range<usize> {
-        let start = self.surplus_parked as usize;
-        start..start + self.reported as usize
+    /// All pairs but the surplus that is parked.
+    pub(crate) const fn in_front(&self) -> usize {
+        self.swept as usize - self.surplus_parked as usize
     }
 
     /// How many pairs of the step before stand in the other buffer: the lost ones; if the last step had
-    /// no room for its pairs, all that are not parked.
+    /// no room for its pairs, all.
     pub(crate) const fn previous(&self) -> u64 {
         if self.complete != 0 { self.lost } else { self.previous }
     }
 
     /// See [`State::portable`](super::State::portable). None of the pairs are parked: no more can be active,
     /// so the next step looks which it can park.
-    pub(super) fn portable(&self, previous: u64) -> Self {
+    pub(super) fn portable(&self) -> Self {
         let Self { reported, found, lost, complete, before_unknown, .. } = *self;
+        let previous = self.previous();
         let counts = Self { swept: reported, reported, found, lost, previous, ..Self::default() };
         Self { active: u32::MAX, complete, before_unknown, unkept: 1, ..counts }
     }

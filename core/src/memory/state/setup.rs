@@ -64,10 +64,6 @@ impl Setup {
         })
     }
 
-    pub(crate) const fn events(&self) -> bool {
-        self.choices[2] != 0
-    }
-
     /// The first difference that cannot change while there are objects.
     pub(crate) fn difference(&self, to: &Self) -> Option<Field> {
         const FIELDS: [Field; 5] = [Field::Mode, Field::Margin, Field::Events, Field::Filters, Field::Values];
