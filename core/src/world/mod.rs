@@ -23,7 +23,7 @@ use crate::memory::limits::SHARED_FROM;
 use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::state::PairState;
-use crate::memory::stats::{Path, Reason, Route};
+use crate::memory::stats::{Path, Reason};
 use crate::objects::intake::ingest;
 use crate::pairs::{met, persistent, results};
 use crate::parallel::context::StepContext;
@@ -60,7 +60,7 @@ impl<I: Index> World<'_, I> {
             (rejected, Self::find(parts, shared, context))
         };
         let rejected = self.run(context, find, |parts, (rejected, needed)| {
-            needed.map_or(Ok(()), |needed| Self::conclude(parts, needed)).map(|()| rejected)
+            Self::conclude(parts, needed).map(|()| rejected)
         })?;
         Ok(Step { rejected, world: self })
     }
@@ -127,17 +127,20 @@ impl<I: Index> World<'_, I> {
         }
     }
 
-    /// All pairs of the boxes as they are now, and which of them are new or gone. Returns how many pairs
-    /// there are, or `None` if nothing has changed.
-    fn find(parts: &mut Parts<'_, I>, shared: bool, context: StepContext<'_>) -> Option<u64> {
+    /// All pairs of the boxes as they are now, and which of them are new or gone. Returns for how many there
+    /// has to be room.
+    fn find(parts: &mut Parts<'_, I>, shared: bool, context: StepContext<'_>) -> u64 {
         let moved = parts.moved.count();
         // Whose fat box is left unused from now on has another box that is swept.
         let swept_anew = if cfg!(feature = "large") { policy::renew(parts, moved) } else { moved };
         let route = policy::choose(parts, swept_anew);
         policy::subdivide_when_calm(parts, route.path, moved, context);
         if route.path == Path::Unchanged && (parts.sizes.is_small() || !parts.any_stays()) {
-            Self::keep(parts, shared);
-            return None;
+            // Nothing has changed.
+            parts.state.step.did(Work::default(), parts.state.leaves(), 0);
+            parts.state.step.record(0, 0, route, shared);
+            (parts.state.pairs.found, parts.state.pairs.lost) = (0, 0);
+            return 0;
         }
         results::remember(parts);
         let room = parts.output.pairs.len() as u64;
@@ -152,7 +155,7 @@ impl<I: Index> World<'_, I> {
         parts.state.step.record(moved, parts.state.objects.outran, route, shared);
         context.executor.enter(Stage::Results);
         results::sort_out(parts, found, context);
-        Some(found.pairs)
+        found.pairs
     }
 
     /// Takes in the caller's boxes, if there are any (paper, section III.B.1). Returns which were refused.
@@ -172,18 +175,6 @@ impl<I: Index> World<'_, I> {
         let slot = intake.first_rejected?;
         let first = Id::new(slot, parts.generations.at(slot as usize));
         first.map(|first| Rejected { first, count: intake.rejected })
-    }
-
-    /// Nothing has changed: the result stays, and nothing is found or lost.
-    fn keep(parts: &mut Parts<'_, I>, shared: bool) {
-        parts.state.step.did(Work::default(), parts.state.leaves(), 0);
-        parts.state.step.record(0, parts.state.objects.outran, Route::UNCHANGED, shared);
-        parts.state.pairs.found = 0;
-        parts.state.pairs.lost = 0;
-        if TREE {
-            parts.state.pairs.before_unknown = 0;
-        }
-        parts.state.objects.dirty = 0;
     }
 
     /// The step is complete, if all pairs fit. Else the result has the pairs that fit, and everything else
