@@ -202,20 +202,32 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
     /// Sub-leaf by sub-leaf.
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
-        let (world, walk) = (self.world, self.walk);
-        let parts = &world.parts;
+        const PART: u32 = EIGHT as u32 - 1;
+        const WHOLE: [f32; EIGHT] =
+            [0.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
+        let (parts, walk) = (&self.world.parts, self.walk);
         let sub_levels = parts.state.tree.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
         let mut crossing = walk.crossing(frame, walk.time(self.far));
-        let first = whole << sub_levels;
-        let mut met = Met::new(match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
+        let times = match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
             Some(bounds) => simd.met(bounds, &crossing).0,
-            None => Met::WHOLE,
-        });
-        let (mut part, mut from) = met.take();
-        // A sub-leaf that is not met has NaN, which ends the loop.
-        while from <= crossing.until {
-            for (eight, left) in parts.tree.leaves.at(first + part).chunks_of_eight(parts.tree.records) {
+            None => WHOLE,
+        };
+        // Times rise with their bits, a little earlier is right too, and NaN is above all others. So a number
+        // tells of each sub-leaf: the time, in the lowest bits which one.
+        let numbers: [u32; EIGHT] = core::array::from_fn(|part| times[part].to_bits() & !PART | part as u32);
+        let mut next = 0u32;
+        loop {
+            // The least number that was not taken yet: these are far ahead, round about.
+            let ahead = numbers.iter().map(|number| number.wrapping_sub(next)).fold(u32::MAX, u32::min);
+            let first = next.saturating_add(ahead);
+            next = first.saturating_add(1);
+            // Not by what is left out: NaN is not at most anything.
+            if !(f32::from_bits(first & !PART) <= crossing.until) {
+                return ControlFlow::Continue(());
+            }
+            let leaf = (whole << sub_levels) + (first & PART) as usize;
+            for (eight, left) in parts.tree.leaves.at(leaf).chunks_of_eight(parts.tree.records) {
                 let mut mask = simd.met(eight, &crossing).1;
                 mask = if mask == 0 { 0 } else { mask & first_of_eight(left) };
                 for slot in bits::of_word(mask).map(|at| eight.at(at).slot() as usize) {
@@ -225,9 +237,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
                 }
             }
             crossing.until = walk.time(self.far);
-            (part, from) = met.take();
         }
-        ControlFlow::Continue(())
     }
 
     #[inline(always)]
@@ -241,35 +251,5 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
             }
         }
         ControlFlow::Continue(())
-    }
-}
-
-/// The sub-leaves that a cast meets, nearer ones first. A number each: the time, and the number of the
-/// sub-leaf in the lowest bits. Times rise with their bits, a little earlier is right too, and NaN is above
-/// all others.
-struct Met {
-    numbers: [u32; EIGHT],
-    /// The least number that was not taken yet.
-    next: u32,
-}
-
-impl Met {
-    const PART: u32 = EIGHT as u32 - 1;
-    /// For a leaf that is not divided.
-    const WHOLE: [f32; EIGHT] = [0.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
-
-    fn new(times: [f32; EIGHT]) -> Self {
-        let numbers = core::array::from_fn(|part| times[part].to_bits() & !Self::PART | part as u32);
-        Self { numbers, next: 0 }
-    }
-
-    /// Takes out the first one: the sub-leaf, and when it is met; NaN if none is left.
-    #[inline(always)]
-    fn take(&mut self) -> (usize, f32) {
-        // Numbers that were taken are far ahead, round about.
-        let ahead = self.numbers.iter().map(|number| number.wrapping_sub(self.next)).fold(u32::MAX, u32::min);
-        let first = self.next.saturating_add(ahead);
-        self.next = first.saturating_add(1);
-        ((first & Self::PART) as usize, f32::from_bits(first & !Self::PART))
     }
 }
