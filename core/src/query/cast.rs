@@ -148,13 +148,30 @@ pub(super) fn precedes(a: Option<Hit>, b: Option<Hit>) -> bool {
 }
 
 /// A cast enters nodes in the time of [`Walk`].
-struct Along<'w> {
-    walk: &'w Walk,
-    /// How far to look.
+struct OnLine<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    line: &'q Line,
+    walk: &'q Walk,
+    /// How far to look, and until when.
+    far: f64,
     until: f32,
+    visit: &'q mut dyn FnMut(Hit) -> f64,
 }
 
-impl Probe for Along<'_> {
+#[inline(always)]
+fn visit_along<S: Simd, I: Index>(
+    simd: S,
+    world: &World<'_, I>,
+    cast: &Cast,
+    visit: &mut dyn FnMut(Hit) -> f64,
+) -> ControlFlow<()> {
+    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &cast.start.min.map(key)));
+    let line = &Line::new(&cast.start, cast.direction, cast.distance);
+    let (far, along) = (line.distance, &Walk::new(line));
+    walk(simd, world, home, OnLine { world, line, walk: along, far, until: along.time(far), visit })
+}
+
+impl<I: Index> Probe for OnLine<'_, '_, I> {
     /// NaN if it is not met.
     type When = f32;
 
@@ -170,45 +187,17 @@ impl Probe for Along<'_> {
     }
 }
 
-struct OnLine<'q, 'm, I: Index> {
-    world: &'q World<'m, I>,
-    line: &'q Line,
-    walk: &'q Walk,
-    /// How far to look.
-    far: f64,
-    visit: &'q mut dyn FnMut(Hit) -> f64,
-}
-
-#[inline(always)]
-fn visit_along<S: Simd, I: Index>(
-    simd: S,
-    world: &World<'_, I>,
-    cast: &Cast,
-    visit: &mut dyn FnMut(Hit) -> f64,
-) -> ControlFlow<()> {
-    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &cast.start.min.map(key)));
-    let line = &Line::new(&cast.start, cast.direction, cast.distance);
-    let search = &mut OnLine { world, line, walk: &Walk::new(line), far: line.distance, visit };
-    walk(simd, world, home, search)
-}
-
-impl<'q, I: Index> Search for OnLine<'q, '_, I> {
-    type Probe = Along<'q>;
-
-    fn probe(&self) -> Along<'q> {
-        Along { walk: self.walk, until: self.walk.time(self.far) }
-    }
-
-    /// Sub-leaf by sub-leaf.
+impl<I: Index> Search for OnLine<'_, '_, I> {
+    /// Sub-leaf by sub-leaf, nearer ones first.
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
         const PART: u32 = EIGHT as u32 - 1;
         const WHOLE: [f32; EIGHT] =
             [0.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
-        let (parts, walk) = (&self.world.parts, self.walk);
+        let parts = &self.world.parts;
         let sub_levels = parts.state.tree.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
-        let mut crossing = walk.crossing(frame, walk.time(self.far));
+        let mut crossing = self.walk.crossing(frame, self.until);
         let times = match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
             Some(bounds) => simd.met(bounds, &crossing).0,
             None => WHOLE,
@@ -236,7 +225,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
                     }
                 }
             }
-            crossing.until = walk.time(self.far);
+            crossing.until = self.until;
         }
     }
 
@@ -246,6 +235,7 @@ impl<'q, I: Index> Search for OnLine<'q, '_, I> {
         let (distance, to) = self.line.span(now, self.far);
         if let (true, Some(id)) = (distance <= to, self.world.id_of(slot)) {
             self.far = self.far.min((self.visit)(Hit { id, distance }));
+            self.until = self.walk.time(self.far);
             if self.far < 0.0 {
                 return ControlFlow::Break(());
             }

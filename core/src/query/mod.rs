@@ -54,13 +54,9 @@ fn is_current<I: Index>(parts: &Parts<'_, I>, slot: usize) -> bool {
     parts.state.objects.dirty == 0 || !bits::test(parts.moved.words, slot)
 }
 
-/// A query: what it looks for, and what it has found. Each of its functions returns whether to look on.
-trait Search {
-    type Probe: Probe;
-
-    /// The nodes that may hold answers.
-    fn probe(&self) -> Self::Probe;
-
+/// A query: what it looks for, and what it has found. It meets the nodes that may hold answers. Each of its own
+/// functions returns whether to look on.
+trait Search: Probe {
     /// Looks at the members of a leaf of a full step.
     fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()>;
 
@@ -75,9 +71,10 @@ fn walk<S: Simd, I: Index>(
     simd: S,
     world: &World<'_, I>,
     home: Option<usize>,
-    search: &mut impl Search,
+    search: impl Search,
 ) -> ControlFlow<()> {
     let (parts, mut from) = (&world.parts, 0);
+    let mut leaves = Visit::new(parts.tree.nodes(), search);
     while let Some(slot) = match home {
         None => (from < parts.state.objects.slots as usize).then_some(from),
         Some(_) if parts.state.objects.dirty == 0 => None,
@@ -85,14 +82,14 @@ fn walk<S: Simd, I: Index>(
     } {
         from = slot + 1;
         if !KeyBox::of(parts.boxes.now, slot).is_empty() {
-            let search = &mut *search;
+            let search = &mut leaves.probe;
             call!(simd, search.object(simd, slot))?;
         }
     }
     let Some(home) = home else { return ControlFlow::Continue(()) };
     if parts.state.tree.large > 0 {
         let large = Large::new(&parts.state.tree, parts.tree.straddlers);
-        let mut groups = large.visit(search.probe());
+        let mut groups = large.visit(leaves.probe);
         while let Some(group) = groups.next(simd) {
             for two in large.group(group).chunks(2) {
                 let bounds =
@@ -101,18 +98,16 @@ fn walk<S: Simd, I: Index>(
                 for (straddler, when) in two.iter().zip(when) {
                     let slot = straddler.slot as usize;
                     if groups.probe.is_met(when) && is_current(parts, slot) {
-                        search.object(simd, slot)?;
+                        groups.probe.object(simd, slot)?;
                     }
                 }
             }
-            groups.probe = search.probe();
         }
+        leaves.probe = groups.probe;
     }
-    let mut leaves = Visit::new(parts.tree.nodes(), search.probe());
     leaves.start(simd, home);
     while let Some(whole) = leaves.next(simd) {
-        search.leaf(simd, whole)?;
-        leaves.probe = search.probe();
+        leaves.probe.leaf(simd, whole)?;
     }
     ControlFlow::Continue(())
 }

@@ -96,7 +96,7 @@ impl<I: Index> World<'_, I> {
         let (boxes, point, sub_levels) =
             (self.parts.boxes.given(), &point, self.parts.state.tree.sub_levels());
         let home = self.has_tree().then(|| home_of(&self.parts.tree, self.parts.state, &point.map(key)));
-        let search = &mut Near { world: self, boxes, point, home: home.unwrap_or(0), limit, visit };
+        let search = Near { world: self, boxes, point, home: home.unwrap_or(0), limit, visit };
         let _ = run!(self.kernels, |simd| walk(simd, self, home.map(|home| home >> sub_levels), search));
         Ok(())
     }
@@ -150,13 +150,17 @@ fn limit_of(far: f64) -> Limit {
 }
 
 /// A point meets the nodes that are near enough, by their squared distance.
-struct Around<'p> {
-    point: &'p [f32; 3],
-    /// Beyond which squared distance nothing matters any more.
-    limit: f64,
+struct Near<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    boxes: &'q [KeyBox],
+    point: &'q [f32; 3],
+    /// The leaf or sub-leaf of the point.
+    home: usize,
+    limit: Limit,
+    visit: &'q mut dyn FnMut(Hit) -> Limit,
 }
 
-impl Probe for Around<'_> {
+impl<I: Index> Probe for Near<'_, '_, I> {
     /// NaN of a node without members.
     type When = f64;
 
@@ -171,27 +175,11 @@ impl Probe for Around<'_> {
     }
 
     fn is_met(&self, squared: f64) -> bool {
-        squared <= self.limit
+        squared <= self.limit.squared
     }
 }
 
-struct Near<'q, 'm, I: Index> {
-    world: &'q World<'m, I>,
-    boxes: &'q [KeyBox],
-    point: &'q [f32; 3],
-    /// The leaf or sub-leaf of the point.
-    home: usize,
-    limit: Limit,
-    visit: &'q mut dyn FnMut(Hit) -> Limit,
-}
-
-impl<'q, I: Index> Search for Near<'q, '_, I> {
-    type Probe = Around<'q>;
-
-    fn probe(&self) -> Around<'q> {
-        Around { point: self.point, limit: self.limit.squared }
-    }
-
+impl<I: Index> Search for Near<'_, '_, I> {
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
         let parts = &self.world.parts;

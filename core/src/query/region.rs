@@ -208,8 +208,8 @@ impl<I: Index> World<'_, I> {
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) {
         let home = self.has_tree().then(|| leaf_of(self.parts.tree.splits, &bounds.min));
-        let mut search = InRegion { world: self, boxes, within: Within { bounds, volume }, visit };
-        let _ = run!(self.kernels, |simd| walk(simd, self, home, &mut search));
+        let search = InRegion { world: self, boxes, bounds, volume, visit };
+        let _ = run!(self.kernels, |simd| walk(simd, self, home, search));
     }
 }
 
@@ -237,26 +237,16 @@ impl<C: Fn(Id) -> bool, I: Index> Among<'_, '_, C, I> {
     }
 }
 
-/// Nodes and objects that touch some bounds, and are not outside of a volume if there is one.
-#[derive(Clone, Copy)]
-struct Within<'v> {
+/// Finds what touches some bounds and is not outside of a volume, if there is one.
+struct InRegion<'q, 'm, I: Index> {
+    world: &'q World<'m, I>,
+    boxes: &'q [KeyBox],
     bounds: KeyBox,
-    volume: Option<&'v dyn Volume>,
+    volume: Option<&'q dyn Volume>,
+    visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
 }
 
-impl Within<'_> {
-    /// How a box that touches the bounds lies to the volume.
-    fn side(&self, of: &KeyBox) -> Side {
-        match self.volume {
-            None => Side::Across,
-            // Of a node without members.
-            Some(_) if of.is_empty() => Side::Outside,
-            Some(volume) => volume.side(&of.to_aabb()),
-        }
-    }
-}
-
-impl Probe for Within<'_> {
+impl<I: Index> Probe for InRegion<'_, '_, I> {
     /// Whether they are apart.
     type When = bool;
 
@@ -275,28 +265,15 @@ impl Probe for Within<'_> {
     }
 }
 
-struct InRegion<'q, 'm, I: Index> {
-    world: &'q World<'m, I>,
-    boxes: &'q [KeyBox],
-    within: Within<'q>,
-    visit: &'q mut dyn FnMut(Id) -> ControlFlow<()>,
-}
-
-impl<'q, I: Index> Search for InRegion<'q, '_, I> {
-    type Probe = Within<'q>;
-
-    fn probe(&self) -> Within<'q> {
-        self.within
-    }
-
+impl<I: Index> Search for InRegion<'_, '_, I> {
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, whole: usize) -> ControlFlow<()> {
         let parts = &self.world.parts;
-        let side = self.within.side(parts.tree.nodes().around(whole));
+        let side = self.side(parts.tree.nodes().around(whole));
         if side == Side::Outside {
             return ControlFlow::Continue(());
         }
-        let (region, mask) = parts_near(simd, parts, whole, &self.within.bounds);
+        let (region, mask) = parts_near(simd, parts, whole, &self.bounds);
         let touching = limit(&region);
         for part in bits::of_word(mask) {
             let leaf = (whole << parts.state.tree.sub_levels()) + part;
@@ -324,7 +301,7 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
     #[inline(always)]
     fn object<S: Simd>(&mut self, simd: S, slot: usize) -> ControlFlow<()> {
         let aabb = KeyBox::of(self.boxes, slot);
-        if simd.overlap(aabb, &self.within.bounds) && self.within.side(aabb) != Side::Outside {
+        if simd.overlap(aabb, &self.bounds) && self.side(aabb) != Side::Outside {
             self.found(slot)?;
         }
         ControlFlow::Continue(())
@@ -332,13 +309,22 @@ impl<'q, I: Index> Search for InRegion<'q, '_, I> {
 }
 
 impl<I: Index> InRegion<'_, '_, I> {
+    /// How a box that touches the bounds lies to the volume.
+    fn side(&self, of: &KeyBox) -> Side {
+        match self.volume {
+            None => Side::Across,
+            // Of a node without members.
+            Some(_) if of.is_empty() => Side::Outside,
+            Some(volume) => volume.side(&of.to_aabb()),
+        }
+    }
+
     /// How the members of a sub-leaf lie to the volume.
     fn side_of_part(&self, whole: usize, part: usize) -> Side {
         let (tree, sub_levels) = (&self.world.parts.tree, self.world.parts.state.tree.sub_levels());
         let bounds = sub_leaves_of(tree.bounds, sub_levels, whole);
         // A ball is tested in no more time than a sub-leaf.
-        let (Some(volume), Some(bounds)) =
-            (self.within.volume.filter(|_| self.within.bounds == KeyBox::ALL), bounds)
+        let (Some(volume), Some(bounds)) = (self.volume.filter(|_| self.bounds == KeyBox::ALL), bounds)
         else {
             return Side::Across;
         };
