@@ -198,10 +198,8 @@ impl<I: Index> Search for OnLine<'_, '_, I> {
         let sub_levels = parts.state.tree.sub_levels();
         let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
         let mut crossing = self.walk.crossing(frame, self.until);
-        let times = match sub_leaves_of(parts.tree.bounds, sub_levels, whole) {
-            Some(bounds) => simd.met(bounds, &crossing).0,
-            None => WHOLE,
-        };
+        let bounds = sub_leaves_of(parts.tree.bounds, sub_levels, whole);
+        let times = bounds.map_or(WHOLE, |bounds| simd.met(bounds, &crossing).0);
         // Times rise with their bits, a little earlier is right too, and NaN is above all others. So a number
         // tells of each sub-leaf: the time, in the lowest bits which one.
         let numbers: [u32; EIGHT] = core::array::from_fn(|part| times[part].to_bits() & !PART | part as u32);
