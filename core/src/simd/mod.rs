@@ -119,7 +119,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
         }
     }
 
-    /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
+    /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `5 + k` for maximum `k`. The
+    /// two bits between them mean nothing.
     fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
 
     /// As [`KeyBox::overlaps`].
@@ -268,7 +269,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
 /// The bits of minima in a mask, and of maxima.
 pub(crate) const MINIMA: u32 = 0b111;
-pub(crate) const MAXIMA: u32 = 0b111 << 3;
+pub(crate) const MAXIMA: u32 = 0b111 << 5;
 
 /// The lanes that a row comes from, complemented.
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! The level of some vectors, whatever the instruction set.
 
-use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors};
+use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, ends, places};
 use super::{casts, encode, fours, overlaps};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{KeyBox, KeyFour};
@@ -54,7 +54,8 @@ impl<W: Halves> Simd for Level<W> {
 
     #[inline(always)]
     fn keys(self, bounds: &KeyBox) -> W::Vector {
-        self.0.sides(bounds)
+        let [first, last] = ends(bounds);
+        self.0.pick(first, last)
     }
 
     #[inline(always)]
@@ -84,7 +85,7 @@ impl<W: Halves> Simd for Level<W> {
 
     #[inline(always)]
     fn above(self, a: W::Vector, b: W::Vector) -> u32 {
-        self.0.six(self.0.above32(a, b))
+        self.0.bits8(self.0.above32(a, b))
     }
 
     #[inline(always)]
@@ -186,9 +187,10 @@ impl<W: Halves> Simd for Level<W> {
     fn record(self, frame: &Frame, keys: W::Vector, tag: u32) -> Record {
         let (w, h) = (self.0, self.0.half());
         // The first three numbers of their rows.
+        let sides = w.shuffle(keys, w.pick(&places([0, 1, 2, 3]), &places([1, 2, 3, 0])));
         let [[origin, _], [scale, _]]: [&[[u8; 16]; 2]; 2] =
             [&frame.origin, &frame.scale].map(bytemuck::cast_ref);
-        let at = w.multiply(w.subtract(w.floats(w.halved(keys)), w.both(origin)), w.both(scale));
+        let at = w.multiply(w.subtract(w.floats(sides), w.both(origin)), w.both(scale));
         let [minima, maxima] = w.split(at);
         let lanes = h.shuffle(h.steps16(minima, maxima), h.load(&SIX_LANES));
         // Maxima are complemented. The tag's place is zero.
