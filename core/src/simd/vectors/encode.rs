@@ -5,18 +5,21 @@
 
 use super::operations::{Halves, NO_BYTE, places};
 use crate::geometry::boxes::Boxes;
-use crate::geometry::key::{AHEAD, AROUND, KeyBox, KeyFour, POSITIVE_INFINITY, SHORTEST};
+use crate::geometry::key::{KeyBox, KeyFour, SHORTEST};
 
 /// The places of the bytes of two boxes, six each, as lanes of eight bytes.
 const SIX_EACH: [u8; 16] = [0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, 6, 7, 8, 9, 10, 11, NO_BYTE, NO_BYTE];
 
 /// Where minima stand in these vectors.
-const MINIMA: [[u32; 4]; 3] =
+pub(super) const MINIMA: [[u32; 4]; 3] =
     [[u32::MAX, u32::MAX, u32::MAX, 0], [0, 0, u32::MAX, u32::MAX], [u32::MAX, 0, 0, 0]];
 
 /// The 24 numbers of four boxes, if there are as many.
 #[inline(always)]
-fn numbers<W: Halves>(w: W, Boxes { bytes: items, stride, end, .. }: Boxes<'_>) -> Option<[W::Vector; 3]> {
+pub(super) fn numbers<W: Halves>(
+    w: W,
+    Boxes { bytes: items, stride, end, .. }: Boxes<'_>,
+) -> Option<[W::Vector; 3]> {
     if stride == size_of::<KeyBox>() {
         return Some(three(w, bytemuck::cast_ref(items.first_chunk::<96>()?)));
     }
@@ -39,12 +42,12 @@ fn numbers<W: Halves>(w: W, Boxes { bytes: items, stride, end, .. }: Boxes<'_>) 
 
 /// The three vectors of 96 bytes.
 #[inline(always)]
-fn three<W: Halves>(w: W, [a, b, c, d, e, f]: &[[u8; 16]; 6]) -> [W::Vector; 3] {
+pub(super) fn three<W: Halves>(w: W, [a, b, c, d, e, f]: &[[u8; 16]; 6]) -> [W::Vector; 3] {
     [w.pick(a, d), w.pick(b, e), w.pick(c, f)]
 }
 
 #[inline(always)]
-fn put_three<W: Halves>(w: W, [x, y, z]: [W::Vector; 3], boxes: &mut KeyFour) {
+pub(super) fn put_three<W: Halves>(w: W, [x, y, z]: [W::Vector; 3], boxes: &mut KeyFour) {
     let [a, b, c, d, e, f]: &mut [[u8; 16]; 6] = bytemuck::cast_mut(boxes);
     w.put(a, d, x);
     w.put(b, e, y);
@@ -53,60 +56,27 @@ fn put_three<W: Halves>(w: W, [x, y, z]: [W::Vector; 3], boxes: &mut KeyFour) {
 
 /// The minima and the maxima of the second of two boxes. Nothing behind them counts.
 #[inline(always)]
-fn second<W: Halves>(w: W, b: W::Vector, c: W::Vector) -> [W::Vector; 2] {
+pub(super) fn second<W: Halves>(w: W, b: W::Vector, c: W::Vector) -> [W::Vector; 2] {
     let minima = w.zip_first64(w.shuffle(b, w.both(&places([2, 3, 2, 3]))), c);
     [minima, w.shuffle(c, w.both(&places([1, 2, 3, 0])))]
 }
 
-/// As [`Simd::encode_four`](crate::simd::Simd::encode_four).
-#[inline(always)]
-pub(super) fn encode_four<W: Halves>(
-    w: W,
-    boxes: Boxes<'_>,
-    held: &KeyFour,
-    old: &KeyFour,
-    new: &mut KeyFour,
-) -> Option<u32> {
-    let [a, b, c] = numbers(w, boxes)?;
-    let (a, b, c) = (w.keys(a), w.keys(b), w.keys(c));
-    let [old_a, old_b, old_c] = three(w, bytemuck::cast_ref(old));
-    // The minima and the maxima of the first box, then of the second one. Nothing behind them counts.
-    let first = above(w, a, w.fourth_on(a, b));
-    let [minima, maxima] = second(w, b, c);
-    let second = above(w, minima, maxima);
-    let upside_down = w.and(w.or(first, second), w.words([u32::MAX, u32::MAX, u32::MAX, 0]));
-    // No key of an object is above +infinity, but the first one of an empty box is.
-    let empty = above(w, w.upper32(old_a, old_b), w.splat(POSITIVE_INFINITY as u32));
-    let [left, middle, right] = outside(w, [a, b, c], held);
-    if w.any(w.or(w.or(upside_down, empty), w.or(w.or(left, middle), right))) {
-        return None;
-    }
-    put_three(w, [a, b, c], new);
-    Some(!zeros(w, [w.xor(a, old_a), w.xor(b, old_b), w.xor(c, old_c)]) & 0b1111)
-}
-
 /// Which of four boxes have nothing but zeros, a bit each.
 #[inline(always)]
-fn zeros<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> u32 {
+pub(super) fn zeros<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> u32 {
     // Two bytes for each two numbers, zero if these are.
     w.zeros64(w.shuffle(w.join16(w.join16(a, b), w.join16(c, c)), w.both(&SIX_EACH)))
 }
 
-/// As [`Simd::inside`](crate::simd::Simd::inside) for four boxes.
-#[inline(always)]
-pub(super) fn inside<W: Halves>(w: W, outer: &KeyFour, inner: &KeyFour) -> u32 {
-    zeros(w, outside(w, three(w, bytemuck::cast_ref(inner)), outer)) & 0b1111
-}
-
 /// Not zero where `a` is above `b`. The compiler makes ten operations more of a test of comparisons.
 #[inline(always)]
-fn above<W: Halves>(w: W, a: W::Vector, b: W::Vector) -> W::Vector {
+pub(super) fn above<W: Halves>(w: W, a: W::Vector, b: W::Vector) -> W::Vector {
     w.xor(w.upper32(a, b), b)
 }
 
 /// Not zero where the keys of four boxes are outside of other boxes.
 #[inline(always)]
-fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &KeyFour) -> [W::Vector; 3] {
+pub(super) fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &KeyFour) -> [W::Vector; 3] {
     let (held, mut outside) = (three(w, bytemuck::cast_ref(held)), keys);
     for k in 0..3 {
         let inner = w.select(w.words(MINIMA[k]), keys[k], held[k]);
@@ -116,46 +86,11 @@ fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &KeyFour) -> [W::Vector;
 }
 
 /// Which of the two boxes of a half the words of these vectors are of.
-const OWNERS: [[u8; 4]; 3] = [[0; 4], [0, 0, 1, 1], [1; 4]];
-
-/// As [`KeyBox::predicted`] of four boxes.
-#[inline(always)]
-pub(super) fn predicted<W: Halves>(
-    w: W,
-    now: &KeyFour,
-    old: &KeyFour,
-    margins: &[f32; 4],
-    predicts: bool,
-    made: &mut KeyFour,
-) {
-    let (now, old) = (three(w, bytemuck::cast_ref(now)), three(w, bytemuck::cast_ref(old)));
-    let (shortest, most) = (w.splat(SHORTEST.to_bits()), w.splat(f32::MAX.to_bits()));
-    let size = if predicts { smallest(w, now) } else { w.splat(0) };
-    let margins =
-        w.shuffle(w.both(bytemuck::cast_ref(margins)), w.pick(&places([0, 1, 0, 1]), &places([2, 3, 2, 3])));
-    let around = w.maximum(w.multiply(size, w.splat(AROUND.to_bits())), margins);
-    let around = w.and(w.at_most(shortest, around), around);
-    let mut to = now;
-    for k in 0..3 {
-        let (owners, inwards) = (w.both(&places(OWNERS[k])), w.words(MINIMA[k]));
-        let (size, around) = (w.shuffle(size, owners), w.shuffle(around, owners));
-        let side = turned(w, now[k], inwards);
-        let now = w.floats(side);
-        let mut reach = around;
-        if predicts {
-            let step = w.subtract(now, w.floats(turned(w, old[k], inwards)));
-            let goes_on = w.and(w.at_most(shortest, step), w.at_most(step, size));
-            reach = w.add(w.and(goes_on, w.multiply(step, w.splat(AHEAD.to_bits()))), around);
-        }
-        let moved = w.minimum(w.add(now, reach), most);
-        to[k] = turned(w, w.upper32(w.keys(moved), side), inwards);
-    }
-    put_three(w, to, made);
-}
+pub(super) const OWNERS: [[u8; 4]; 3] = [[0; 4], [0, 0, 1, 1], [1; 4]];
 
 /// The smallest side of each of the two boxes of a half that is neither flat nor unbounded; zero if none is.
 #[inline(always)]
-fn smallest<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> W::Vector {
+pub(super) fn smallest<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> W::Vector {
     let [minima, maxima] = second(w, b, c);
     let first = w.subtract(w.floats(w.fourth_on(a, b)), w.floats(a));
     let second = w.subtract(w.floats(maxima), w.floats(minima));
@@ -174,6 +109,6 @@ fn usable<W: Halves>(w: W, sides: W::Vector) -> W::Vector {
 
 /// Keys with the other sign where all bits of `inwards` are set.
 #[inline(always)]
-fn turned<W: Halves>(w: W, keys: W::Vector, inwards: W::Vector) -> W::Vector {
+pub(super) fn turned<W: Halves>(w: W, keys: W::Vector, inwards: W::Vector) -> W::Vector {
     w.minus32(w.xor(keys, inwards), inwards)
 }

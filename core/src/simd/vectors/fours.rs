@@ -21,62 +21,12 @@ pub(super) fn limit<V: Vectors>(v: V, records: V::Vector, halves: V::Vector) -> 
     v.xor(v.shuffle(records, halves), v.words([u32::MAX, u32::MAX, u32::MAX, 0]))
 }
 
-/// As [`Simd::four`](crate::simd::Simd::four).
-#[inline(always)]
-pub(super) fn four<W: Halves, I: Index>(
-    w: W,
-    sorted: &[Record],
-    base: u32,
-    bits: u64,
-    pairs: &mut [Pair<I>; 4],
-) -> Option<usize> {
-    let second = bits & bits.wrapping_sub(1);
-    let third = second & second.wrapping_sub(1);
-    let fourth = third & third.wrapping_sub(1);
-    let first = base & 0xffff;
-    let (p, q) = (first + bits.trailing_zeros(), first + second.trailing_zeros());
-    let (r, s) = (first + third.trailing_zeros(), first + fourth.trailing_zeros());
-    let at = base >> 16;
-    if at.max(s) as usize >= sorted.len() {
-        return None;
-    }
-    // SAFETY: the positions of the bits ascend, and the last one is in the slice, as is `at`.
-    unsafe {
-        let limit = limit(w, pick(w, sorted, at, at), w.both(&HALVES));
-        keep(w, [pick(w, sorted, p, r), pick(w, sorted, q, s)], [limit, limit], pairs)
-    }
-}
-
-/// As [`Simd::any_four`](crate::simd::Simd::any_four).
-#[inline(always)]
-pub(super) fn any_four<W: Halves, I: Index>(
-    w: W,
-    sorted: &[Record],
-    candidates: &[u32; 4],
-    pairs: &mut [Pair<I>; 4],
-) -> Option<usize> {
-    let h = w.half();
-    let last = u32::from(u16::try_from(sorted.len().checked_sub(1)?).unwrap_or(u16::MAX));
-    // All halves of the candidates are compared with the last position before they are taken for positions.
-    if h.any(h.excess16(h.load(bytemuck::cast_ref(candidates)), h.splat(last << 16 | last))) {
-        return None;
-    }
-    let [p, q, r, s] = *candidates;
-    // SAFETY: the positions are in the slice.
-    unsafe {
-        let (a, b) = (pick(w, sorted, p >> 16, r >> 16), pick(w, sorted, q >> 16, s >> 16));
-        let (c, d) = (pick(w, sorted, p & 0xffff, r & 0xffff), pick(w, sorted, q & 0xffff, s & 0xffff));
-        let halves = w.both(&HALVES);
-        keep(w, [a, b], [limit(w, c, halves), limit(w, d, halves)], pairs)
-    }
-}
-
 /// Two records.
 ///
 /// # Safety
 /// The positions must be in the slice.
 #[inline(always)]
-unsafe fn pick<W: Halves>(w: W, records: &[Record], a: u32, b: u32) -> W::Vector {
+pub(super) unsafe fn pick<W: Halves>(w: W, records: &[Record], a: u32, b: u32) -> W::Vector {
     // SAFETY: the caller vouches for the positions.
     let (a, b) = unsafe { (records.get_unchecked(a as usize), records.get_unchecked(b as usize)) };
     w.pick(bytemuck::cast_ref(a), bytemuck::cast_ref(b))
@@ -93,7 +43,7 @@ fn excess<W: Halves>(w: W, records: W::Vector, limit: W::Vector) -> W::Vector {
 /// Writes the pairs of four records, of which the first and the third come together, with those of the
 /// limits, as far as they touch, and returns how many do. `None` if only the keys can decide one of the four.
 #[inline(always)]
-fn keep<W: Halves, I: Index>(
+pub(super) fn keep<W: Halves, I: Index>(
     w: W,
     [a, b]: [W::Vector; 2],
     [first, second]: [W::Vector; 2],

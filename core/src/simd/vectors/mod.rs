@@ -4,7 +4,6 @@
 
 #[cfg(all(target_arch = "x86_64", feature = "avx2"))]
 mod avx2;
-mod casts;
 mod encode;
 mod fours;
 mod level;

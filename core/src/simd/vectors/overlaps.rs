@@ -1,18 +1,8 @@
 //! Tests pairs of boxes.
 
-use super::operations::{Halves, Vectors, ends, places};
+use super::operations::{Halves, Vectors};
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
-
-/// As [`KeyBox::overlaps`].
-#[inline(always)]
-pub(super) fn overlap<W: Halves>(w: W, a: &KeyBox, b: &KeyBox) -> bool {
-    let ([a_min, a_max], [b_min, b_max]) = (ends(a), ends(b));
-    // The minima of both; one number, then the maxima of the other one, which they must not exceed.
-    let (minima, maxima) = (w.pick(a_min, b_min), w.pick(b_max, a_max));
-    let maxima = w.shuffle(maxima, w.both(&places([1, 2, 3, 0])));
-    !w.any_of_three(w.above32(minima, maxima))
-}
 
 /// Which of eight pairs of slots have overlapping boxes, a bit each.
 ///
