@@ -72,22 +72,6 @@ impl Crossing {
     }
 }
 
-/// The sides of a box: three that are met first, then three that are met last. The same for all leaves.
-struct SidesMet {
-    /// The bytes of their lanes.
-    order: [u8; 16],
-    /// What is subtracted from them.
-    start: [f32; 8],
-    /// What distances are multiplied with; never negative.
-    factor: [f32; 8],
-    /// The sign bit for a maximum, as its lane is the complement of its place.
-    complement: [u32; 8],
-    /// What is subtracted from a place, in steps, so that its lane can be added to [`Crossing::BASE`].
-    shift: [f32; 8],
-    /// The sign bit for sides that are met last: the higher the lane, the earlier the time.
-    falling: [u32; 8],
-}
-
 /// A cast on its way through the tree, in `f32`. Its time is its distance on the axis where it moves most.
 ///
 /// It enters nodes no later, and leaves them no earlier, than [`Line::span`] says: the factors include more
@@ -102,7 +86,17 @@ pub(crate) struct Walk {
     pub(crate) leave: [f32; 4],
     /// Time in one unit of distance, and a little more than all roundings.
     speed: f64,
-    sides: SidesMet,
+    /// As in [`Crossing`]. What follows is of the sides in this order, the same for all leaves.
+    order: [u8; 16],
+    /// What is subtracted from them.
+    start: [f32; 8],
+    /// What distances are multiplied with; below zero for sides that are met last: the higher the lane, the
+    /// earlier the time.
+    factors: [f32; 8],
+    /// The sign bit for a maximum, as its lane is the complement of its place.
+    complement: [u32; 8],
+    /// What is subtracted from a place, in steps, so that its lane can be added to [`Crossing::BASE`].
+    shift: [f32; 8],
 }
 
 impl Walk {
@@ -122,27 +116,42 @@ impl Walk {
         let come = factor.map(|factor| (factor * (1.0 - Self::SLACK)).clamp(-greatest, greatest) as f32);
         // Infinite if it is too large: the node is never left.
         let leave = factor.map(|factor| (factor * (1.0 + Self::SLACK)) as f32);
-        let sides = SidesMet::new(&back, [&first, &last], [&come, &leave]);
-        Self { back, first, last, come, leave, speed: speed * (1.0 + Self::SLACK), sides }
+        let six = |[a, b, c, _]: [f32; 4], [d, e, f, _]: [f32; 4]| [a, b, c, d, e, f, 0.0, 0.0];
+        let [x, y, z, _] = back;
+        // All ones for a maximum.
+        let maximum = [x, y, z, !x, !y, !z, 0, 0].map(|side| side as u32);
+        let mut order = [0; 8];
+        for (k, lane) in [0, 1, 2, 0, 1, 2].into_iter().enumerate() {
+            order[k] = 0x0100 + 0x0202 * (lane + (3 & maximum[k] as u16));
+        }
+        Self {
+            back,
+            first,
+            last,
+            come,
+            leave,
+            speed: speed * (1.0 + Self::SLACK),
+            order: bytemuck::cast(order.map(u16::to_le_bytes)),
+            start: six(first, last),
+            factors: six(come.map(f32::abs), leave.map(|factor| -factor.abs())),
+            complement: maximum.map(|side| side & SIGN),
+            shift: maximum.map(|side| Crossing::BASE + OUTWARDS + f32::from_bits(side & GRID_END.to_bits())),
+        }
     }
 
     /// The [`Crossing`] of a leaf, up to a time.
     #[inline(always)]
     pub(crate) fn crossing(&self, frame: &Frame, until: f32) -> Crossing {
-        let SidesMet { order, start, factor, complement, shift, falling } = &self.sides;
-        let mut crossing = Crossing { order: *order, scale: [0.0; 8], offset: [0.0; 8], until };
+        let mut crossing = Crossing { order: self.order, scale: [0.0; 8], offset: [0.0; 8], until };
         for k in 0..8 {
             // How far ahead the low end of the grid is, in steps.
-            let ahead = (frame.origin[k] - start[k]) * frame.scale[k];
-            let signed = f32::from_bits(ahead.to_bits() ^ complement[k]);
+            let ahead = (frame.origin[k] - self.start[k]) * frame.scale[k];
+            let signed = f32::from_bits(ahead.to_bits() ^ self.complement[k]);
             // Outwards also by more than the roundings that grow with the distance.
-            let place = signed - ahead.abs() * Self::SLACK as f32 - shift[k];
-            // The time for a step. NaN counts as slow.
-            let step = factor[k] / frame.scale[k];
-            let step = if step < SLOWEST { step } else { SLOWEST };
-            let step = f32::from_bits(step.to_bits() | falling[k]);
-            crossing.scale[k] = step;
-            crossing.offset[k] = place * step;
+            let place = signed - ahead.abs() * Self::SLACK as f32 - self.shift[k];
+            // The time for a step.
+            crossing.scale[k] = (self.factors[k] / frame.scale[k]).clamp(-SLOWEST, SLOWEST);
+            crossing.offset[k] = place * crossing.scale[k];
         }
         crossing
     }
@@ -167,28 +176,6 @@ impl Walk {
             }
             if from <= to + Self::LEAST { from } else { f32::NAN }
         })
-    }
-}
-
-impl SidesMet {
-    #[inline(always)]
-    fn new(back: &[i32; 4], [first, last]: [&[f32; 4]; 2], [come, leave]: [&[f32; 4]; 2]) -> Self {
-        let six = |[a, b, c, _]: &[f32; 4], [d, e, f, _]: &[f32; 4]| [*a, *b, *c, *d, *e, *f, 0.0, 0.0];
-        let [x, y, z, _] = *back;
-        // All ones for a maximum.
-        let maximum = [x, y, z, !x, !y, !z, 0, 0].map(|side| side as u32);
-        let mut order = [0; 8];
-        for (k, lane) in [0, 1, 2, 0, 1, 2].into_iter().enumerate() {
-            order[k] = 0x0100 + 0x0202 * (lane + (3 & maximum[k] as u16));
-        }
-        Self {
-            order: bytemuck::cast(order.map(u16::to_le_bytes)),
-            start: six(first, last),
-            factor: six(come, leave).map(f32::abs),
-            complement: maximum.map(|side| side & SIGN),
-            shift: maximum.map(|side| Crossing::BASE + OUTWARDS + f32::from_bits(side & GRID_END.to_bits())),
-            falling: [0, 0, 0, SIGN, SIGN, SIGN, 0, 0],
-        }
     }
 }
 
