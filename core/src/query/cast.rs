@@ -209,8 +209,8 @@ impl<I: Index> Search for OnLine<'_, '_, I> {
             let ahead = numbers.iter().map(|number| number.wrapping_sub(next)).fold(u32::MAX, u32::min);
             let first = next.saturating_add(ahead);
             next = first.saturating_add(1);
-            // Not by what is left out: NaN is not at most anything.
-            if !(f32::from_bits(first & !PART) <= crossing.until) {
+            let from = f32::from_bits(first & !PART);
+            if from.is_nan() || from > crossing.until {
                 return ControlFlow::Continue(());
             }
             let leaf = (whole << sub_levels) + (first & PART) as usize;
