@@ -66,12 +66,8 @@ impl Vectors for Avx2 {
         unsafe { compiled(work) }
     }
 
-    #[inline(always)]
-    fn words(self, words: [u32; 4]) -> __m256i {
-        self.both(&bytemuck::cast(words))
-    }
-
     proven! {
+        words(words: [u32; 4]) = _mm256_broadcastsi128_si256(_mm_loadu_si128(words.as_ptr().cast()));
         splat(word: u32) = _mm256_set1_epi32(word as i32);
         any(a) -> bool = _mm256_testz_si256(a, a) == 0;
         // Of a test with a mask the compiler makes four operations.
@@ -124,6 +120,10 @@ impl Halves for Avx2 {
             let zeros = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
             _mm256_movemask_pd(_mm256_castsi256_pd(zeros)) as u32
         };
+        kept64(a, mask: u32, to: &mut [[u8; 16]; 2]) -> () = {
+            let kept = _mm256_cvtepu8_epi32(_mm_loadl_epi64(KEPT[mask as usize & 15].as_ptr().cast()));
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, kept));
+        };
     }
 
     #[inline(always)]
@@ -132,14 +132,5 @@ impl Halves for Avx2 {
         let mask = u64::from(reached(self, first, query)) | u64::from(reached(self, last, query)) << 32;
         // SAFETY: `self` proves BMI2.
         unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
-    }
-
-    #[inline(always)]
-    fn kept64(self, a: __m256i, mask: u32, to: &mut [[u8; 16]; 2]) {
-        // SAFETY: `self` proves AVX2; eight bytes of the table are read, and all 32 written.
-        unsafe {
-            let kept = _mm256_cvtepu8_epi32(_mm_loadl_epi64(KEPT[mask as usize & 15].as_ptr().cast()));
-            _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, kept));
-        }
     }
 }

@@ -22,12 +22,8 @@ impl Vectors for Neon {
 
     type Vector = uint8x16_t;
 
-    #[inline(always)]
-    fn words(self, words: [u32; 4]) -> uint8x16_t {
-        self.load(&bytemuck::cast(words))
-    }
-
     proven! {
+        words(words: [u32; 4]) = vreinterpretq_u8_u32(vld1q_u32(words.as_ptr()));
         splat(word: u32) = vreinterpretq_u8_u32(vdupq_n_u32(word));
         // The greatest of four words: zero only if all are.
         any(a) -> bool = vmaxvq_u32(words(a)) != 0;
@@ -63,54 +59,29 @@ impl Vectors for Neon {
 }
 
 impl Half for Neon {
-    #[inline(always)]
-    fn load(self, bytes: &[u8; 16]) -> uint8x16_t {
-        // SAFETY: the 16 bytes are read.
-        unsafe { vld1q_u8(bytes.as_ptr()) }
-    }
-
-    #[inline(always)]
-    fn store(self, bytes: &mut [u8; 16], a: uint8x16_t) {
-        // SAFETY: the 16 bytes are written.
-        unsafe { vst1q_u8(bytes.as_mut_ptr(), a) }
-    }
-
     proven! {
+        load(bytes: &[u8; 16]) = vld1q_u8(bytes.as_ptr());
+        store(bytes: &mut [u8; 16], a) -> () = vst1q_u8(bytes.as_mut_ptr(), a);
         first(a) -> u32 = vgetq_lane_u32::<0>(words(a));
         even32(a, b) = vreinterpretq_u8_u32(vuzp1q_u32(words(a), words(b)));
         odd32(a, b) = vreinterpretq_u8_u32(vuzp2q_u32(words(a), words(b)));
         // Both saturate, and NaN gives zero.
         steps16(a, b) = vreinterpretq_u8_u16(vqmovn_high_u32(vqmovn_u32(vcvtq_u32_f32(floats(a))), vcvtq_u32_f32(floats(b))));
-    }
-
-    #[inline(always)]
-    fn reached(self, [a, b, c, d]: [uint8x16_t; 4], query: uint8x16_t) -> uint8x16_t {
-        // SAFETY: `self` proves NEON.
-        unsafe {
+        reached(rows: [uint8x16_t; 4], query) = {
             // The least of each four bytes of masks.
-            let first = vpminq_u8(vcgeq_u8(a, query), vcgeq_u8(b, query));
-            let last = vpminq_u8(vcgeq_u8(c, query), vcgeq_u8(d, query));
+            let first = vpminq_u8(vcgeq_u8(rows[0], query), vcgeq_u8(rows[1], query));
+            let last = vpminq_u8(vcgeq_u8(rows[2], query), vcgeq_u8(rows[3], query));
             vpminq_u8(first, last)
-        }
-    }
-
-    #[inline(always)]
-    fn bits4(self, mask: uint8x16_t) -> u32 {
-        // SAFETY: `self` proves NEON.
-        unsafe { vaddvq_u32(words(self.and(mask, self.words([1, 2, 4, 8])))) }
-    }
-
-    // The lower of a mask and a bit is the bit where the mask is set. With `and` the compiler would know that
-    // no two bits are in one place, and make three operations of each sum.
-    #[inline(always)]
-    fn bits64(self, [a, b, c, d]: [uint8x16_t; 4]) -> u64 {
-        // SAFETY: `self` proves NEON.
-        unsafe {
-            let bit = self.load(&BIT);
-            let first = vpaddq_u8(vminq_u8(a, bit), vminq_u8(b, bit));
-            let last = vpaddq_u8(vminq_u8(c, bit), vminq_u8(d, bit));
+        };
+        bits4(mask) -> u32 = vaddvq_u32(vandq_u32(words(mask), vld1q_u32([1, 2, 4, 8].as_ptr())));
+        // The lower of a mask and a bit is the bit where the mask is set. With `and` the compiler would know
+        // that no two bits are in one place, and make three operations of each sum.
+        bits64(masks: [uint8x16_t; 4]) -> u64 = {
+            let bit = vld1q_u8(BIT.as_ptr());
+            let first = vpaddq_u8(vminq_u8(masks[0], bit), vminq_u8(masks[1], bit));
+            let last = vpaddq_u8(vminq_u8(masks[2], bit), vminq_u8(masks[3], bit));
             let sums = vpaddq_u8(first, last);
             vgetq_lane_u64::<0>(longs(vpaddq_u8(sums, sums)))
-        }
+        };
     }
 }

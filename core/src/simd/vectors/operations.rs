@@ -238,12 +238,13 @@ macro_rules! operations {
 }
 pub(crate) use operations;
 
-/// The same with instructions that a value of the type proves.
+/// The same with instructions that a value of the type proves. None reads or writes beyond its operand, or a row
+/// of a table.
 #[allow(unused_macros, reason = "WebAssembly needs no proof")]
 macro_rules! proven {
     ($($name:ident $of:tt $(-> $result:ty)? = $value:expr;)+) => {
         operations! { $($name $of $(-> $result)? =
-            // SAFETY: `self` proves that the CPU has them.
+            // SAFETY: `self` proves that the CPU has them, and memory is that of a reference.
             unsafe { $value };)+ }
     };
 }

@@ -17,12 +17,8 @@ impl Vectors for Simd128 {
 
     type Vector = v128;
 
-    #[inline(always)]
-    fn words(self, [a, b, c, d]: [u32; 4]) -> v128 {
-        u32x4(a, b, c, d)
-    }
-
     operations! {
+        words(words: [u32; 4]) = u32x4(words[0], words[1], words[2], words[3]);
         splat(word: u32) = u32x4_splat(word);
         any(a) -> bool = v128_any_true(a);
         and(a, b) = v128_and(a, b);
@@ -77,20 +73,17 @@ impl Half for Simd128 {
         odd32(a, b) = u32x4_shuffle::<1, 3, 5, 7>(a, b);
         // Both saturate, and NaN gives zero.
         steps16(a, b) = u16x8_narrow_i32x4(i32x4_trunc_sat_f32x4(a), i32x4_trunc_sat_f32x4(b));
-    }
-
-    #[inline(always)]
-    fn reached(self, [a, b, c, d]: [v128; 4], query: v128) -> v128 {
-        // How much the query's bytes exceed the record's: zero where none does.
-        let (a, b) = (u8x16_sub_sat(query, a), u8x16_sub_sat(query, b));
-        let (c, d) = (u8x16_sub_sat(query, c), u8x16_sub_sat(query, d));
-        u8x16_eq(self.join8(self.join16(a, b), self.join16(c, d)), self.splat(0))
-    }
-
-    #[inline(always)]
-    fn bits64(self, [a, b, c, d]: [v128; 4]) -> u64 {
-        let (a, b) = (u64::from(i8x16_bitmask(a)), u64::from(i8x16_bitmask(b)));
-        let (c, d) = (u64::from(i8x16_bitmask(c)), u64::from(i8x16_bitmask(d)));
-        a | b << 16 | c << 32 | d << 48
+        reached(rows: [v128; 4], query) = {
+            // How much the query's bytes exceed the record's: zero where none does.
+            let (a, b) = (u8x16_sub_sat(query, rows[0]), u8x16_sub_sat(query, rows[1]));
+            let (c, d) = (u8x16_sub_sat(query, rows[2]), u8x16_sub_sat(query, rows[3]));
+            let bytes = i8x16_narrow_i16x8(i16x8_narrow_i32x4(a, b), i16x8_narrow_i32x4(c, d));
+            u8x16_eq(bytes, u8x16_splat(0))
+        };
+        bits64(masks: [v128; 4]) -> u64 = {
+            let (a, b) = (u64::from(i8x16_bitmask(masks[0])), u64::from(i8x16_bitmask(masks[1])));
+            let (c, d) = (u64::from(i8x16_bitmask(masks[2])), u64::from(i8x16_bitmask(masks[3])));
+            a | b << 16 | c << 32 | d << 48
+        };
     }
 }

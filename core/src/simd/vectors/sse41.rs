@@ -37,13 +37,8 @@ impl Vectors for Sse41 {
         unsafe { compiled(work) }
     }
 
-    #[inline(always)]
-    fn words(self, [a, b, c, d]: [u32; 4]) -> __m128i {
-        // SAFETY: `self` proves SSE2.
-        unsafe { _mm_setr_epi32(a as i32, b as i32, c as i32, d as i32) }
-    }
-
     proven! {
+        words(words: [u32; 4]) = _mm_loadu_si128(words.as_ptr().cast());
         splat(word: u32) = _mm_set1_epi32(word as i32);
         any(a) -> bool = _mm_testz_si128(a, a) == 0;
         and(a, b) = _mm_and_si128(a, b);
@@ -80,19 +75,9 @@ impl Vectors for Sse41 {
 }
 
 impl Half for Sse41 {
-    #[inline(always)]
-    fn load(self, bytes: &[u8; 16]) -> __m128i {
-        // SAFETY: `self` proves SSE2; the 16 bytes are read.
-        unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) }
-    }
-
-    #[inline(always)]
-    fn store(self, bytes: &mut [u8; 16], a: __m128i) {
-        // SAFETY: `self` proves SSE2; the 16 bytes are written.
-        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), a) }
-    }
-
     proven! {
+        load(bytes: &[u8; 16]) = _mm_loadu_si128(bytes.as_ptr().cast());
+        store(bytes: &mut [u8; 16], a) -> () = _mm_storeu_si128(bytes.as_mut_ptr().cast(), a);
         first(a) -> u32 = _mm_cvtsi128_si32(a) as u32;
         bits4(mask) -> u32 = _mm_movemask_ps(_mm_castsi128_ps(mask)) as u32;
         even32(a, b) = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
@@ -103,26 +88,17 @@ impl Half for Sse41 {
             _mm_cvttps_epi32(_mm_min_ps(_mm_set1_ps(GRID_MAX), _mm_castsi128_ps(a))),
             _mm_cvttps_epi32(_mm_min_ps(_mm_set1_ps(GRID_MAX), _mm_castsi128_ps(b)))
         );
-    }
-
-    #[inline(always)]
-    fn reached(self, [a, b, c, d]: [__m128i; 4], query: __m128i) -> __m128i {
-        // SAFETY: `self` proves SSE2.
-        unsafe {
+        reached(rows: [__m128i; 4], query) = {
             // How much the query's bytes exceed the record's: zero where none does.
-            let (a, b) = (_mm_subs_epu8(query, a), _mm_subs_epu8(query, b));
-            let (c, d) = (_mm_subs_epu8(query, c), _mm_subs_epu8(query, d));
-            let bytes = self.join8(self.join16(a, b), self.join16(c, d));
+            let (a, b) = (_mm_subs_epu8(query, rows[0]), _mm_subs_epu8(query, rows[1]));
+            let (c, d) = (_mm_subs_epu8(query, rows[2]), _mm_subs_epu8(query, rows[3]));
+            let bytes = _mm_packs_epi16(_mm_packs_epi32(a, b), _mm_packs_epi32(c, d));
             _mm_cmpeq_epi8(bytes, _mm_setzero_si128())
-        }
-    }
-
-    #[inline(always)]
-    fn bits64(self, [a, b, c, d]: [__m128i; 4]) -> u64 {
-        // SAFETY: `self` proves SSE2.
-        let [a, b, c, d] = unsafe {
-            [_mm_movemask_epi8(a), _mm_movemask_epi8(b), _mm_movemask_epi8(c), _mm_movemask_epi8(d)]
         };
-        u64::from((a | b << 16) as u32) | u64::from((c | d << 16) as u32) << 32
+        bits64(masks: [__m128i; 4]) -> u64 = {
+            let first = _mm_movemask_epi8(masks[0]) | _mm_movemask_epi8(masks[1]) << 16;
+            let last = _mm_movemask_epi8(masks[2]) | _mm_movemask_epi8(masks[3]) << 16;
+            u64::from(first as u32) | u64::from(last as u32) << 32
+        };
     }
 }
