@@ -175,8 +175,6 @@ impl<I: Index> Probe for OnLine<'_, '_, I> {
     /// NaN if it is not met.
     type When = f32;
 
-    const AT_ONCE: f32 = 0.0;
-
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, nodes: [&KeyBox; 2]) -> [f32; 2] {
         simd.enter(self.walk, nodes, self.until)

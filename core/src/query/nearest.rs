@@ -164,8 +164,6 @@ impl<I: Index> Probe for Near<'_, '_, I> {
     /// NaN of a node without members.
     type When = f64;
 
-    const AT_ONCE: f64 = 0.0;
-
     #[inline(always)]
     fn meet<S: Simd>(&self, _: S, nodes: [&KeyBox; 2]) -> [f64; 2] {
         nodes.map(|node| match node.is_empty() {

@@ -250,18 +250,12 @@ impl<I: Index> Probe for InRegion<'_, '_, I> {
     /// Whether they are apart.
     type When = bool;
 
-    const AT_ONCE: bool = false;
-
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, [a, b]: [&KeyBox; 2]) -> [bool; 2] {
         [
             !simd.overlap(a, &self.bounds) || self.side(a) == Side::Outside,
             !simd.overlap(b, &self.bounds) || self.side(b) == Side::Outside,
         ]
-    }
-
-    fn is_met(&self, apart: bool) -> bool {
-        !apart
     }
 }
 

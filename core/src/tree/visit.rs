@@ -9,17 +9,17 @@ use arrayvec::ArrayVec;
 
 /// What looks for leaves.
 pub(crate) trait Probe {
-    /// When a node is met, or that it is not. Nodes that are met first are visited first.
-    type When: Copy + PartialOrd;
-
-    /// For a node that counts as met without a look at it.
-    const AT_ONCE: Self::When;
+    /// When a node is met, or that it is not. Nodes that are met first are visited first. The default is for a
+    /// node that counts as met without a look at it.
+    type When: Copy + PartialOrd + Default;
 
     /// When two nodes are met.
     fn meet<S: Simd>(&self, simd: S, nodes: [&KeyBox; 2]) -> [Self::When; 2];
 
     /// Whether a node is still to be visited. What was found may change that.
-    fn is_met(&self, when: Self::When) -> bool;
+    fn is_met(&self, when: Self::When) -> bool {
+        when <= Self::When::default()
+    }
 }
 
 /// A box meets all nodes that it overlaps, in the order of their numbers.
@@ -27,15 +27,9 @@ impl Probe for KeyBox {
     /// Whether they are apart.
     type When = bool;
 
-    const AT_ONCE: bool = false;
-
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, [a, b]: [&KeyBox; 2]) -> [bool; 2] {
         [!simd.overlap(a, self), !simd.overlap(b, self)]
-    }
-
-    fn is_met(&self, apart: bool) -> bool {
-        !apart
     }
 }
 
@@ -101,14 +95,14 @@ impl<'v, P: Probe> Visit<Nodes<'v>, P> {
                 self.push(lower);
             }
         }
-        self.push(Waiting { node: top, when: P::AT_ONCE });
+        self.push(Waiting { node: top, when: P::When::default() });
     }
 }
 
 impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
     pub(crate) fn from_root(nodes: N, probe: P) -> Self {
         let mut visit = Self { nodes, probe, stack: ArrayVec::new() };
-        visit.push(Waiting { node: 1, when: P::AT_ONCE });
+        visit.push(Waiting { node: 1, when: P::When::default() });
         visit
     }
 
@@ -139,7 +133,7 @@ impl<'v, N: Shape<'v>, P: Probe> Visit<N, P> {
                 };
                 let [left, right] = self.meet(simd, [below, below + 1]);
                 // NaN comes last.
-                let swap = right.when < left.when || left.when.partial_cmp(&P::AT_ONCE).is_none();
+                let swap = right.when < left.when || left.when.partial_cmp(&left.when).is_none();
                 let (near, later) = if swap { (right, left) } else { (left, right) };
                 self.push(later);
                 here = near;
