@@ -96,18 +96,12 @@ impl<const BYTES: usize> InlineWorld<BYTES> {
     /// No world yet: all zero.
     pub const EMPTY: Self = Self([0; BYTES]);
 
-    /// Makes an empty world, whatever was there before.
-    ///
-    /// # Errors
-    /// [`Error::SlabTooSmall`], [`Error::CapacityTooLarge`] or [`Error::BadMargin`].
+    /// Makes an empty world, whatever was there before: see [`World::new_in`].
     pub fn init<I: Index>(&mut self, config: &Config) -> Result<World<'_, I>, Error> {
         World::new_in(&mut self.0, config)
     }
 
     /// Moves a world here, from wherever it is: see [`World::move_into`].
-    ///
-    /// # Errors
-    /// Those of [`World::move_into`].
     #[doc(alias = "move_to")]
     pub fn receive<I: Index>(
         &mut self,
@@ -117,10 +111,7 @@ impl<const BYTES: usize> InlineWorld<BYTES> {
         world.move_into(&mut self.0, config)
     }
 
-    /// The world that [`init`](Self::init) made.
-    ///
-    /// # Errors
-    /// [`Error::NotAWorld`] before that, or if the index width differs.
+    /// The world that [`init`](Self::init) made; before that none can be opened: see [`World::open`].
     pub fn world<I: Index>(&mut self) -> Result<World<'_, I>, Error> {
         World::open(&mut self.0)
     }

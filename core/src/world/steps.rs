@@ -15,7 +15,8 @@ use crate::simd::kernels::Kernels;
 use core::ops::Deref;
 
 /// A step on workers or with a rule: made by [`World::on`] and [`World::with_rule`], done by
-/// [`step`](Self::step) or [`step_over`](Self::step_over).
+/// [`step`](Self::step) or [`step_over`](Self::step_over). Errors are those of the world's methods, or
+/// [`Error::NoFilters`] for a rule in a world without filters.
 #[must_use = "does nothing until `step` or `step_over`"]
 pub struct Stepper<'w, 'm, 'e, I: Index = u32> {
     world: &'w mut World<'m, I>,
@@ -124,27 +125,18 @@ impl<'w, 'm, 'e, I: Index> Stepper<'w, 'm, 'e, I> {
     }
 
     /// See [`World::step`].
-    ///
-    /// # Errors
-    /// Those of [`World::step`], or [`Error::NoFilters`] for a rule in a world without filters.
     pub fn step(self) -> Result<Step<'w, I>, Error> {
         let (world, context) = self.context()?;
         world.advance(None, context)
     }
 
     /// See [`World::step_over`].
-    ///
-    /// # Errors
-    /// Those of [`World::step_over`], or [`Error::NoFilters`] for a rule in a world without filters.
     pub fn step_over<'b>(self, bounds: impl Into<Boxes<'b>>) -> Result<Step<'w, I>, Error> {
         let (world, context) = self.context()?;
         world.advance(Some(bounds.into()), context)
     }
 
     /// See [`World::refresh`]. No rule is asked.
-    ///
-    /// # Errors
-    /// Those of [`World::refresh`], or [`Error::NoFilters`] for a rule in a world without filters.
     pub fn refresh(self) -> Result<(), Error> {
         let (world, context) = self.context()?;
         world.renew_tree(context)
