@@ -69,7 +69,7 @@ pub(crate) struct KeyBox {
 }
 
 impl KeyBox {
-    /// The box of a slot without an object. It overlaps nothing, not even itself.
+    /// The box of a slot without an object. It overlaps nothing, not even itself. Also the extent of no corners.
     pub(crate) const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
 
     /// A box around nothing, to be grown by [`include`](Self::include). Its sides are numbers; it overlaps
@@ -78,6 +78,11 @@ impl KeyBox {
 
     /// The box that holds all others.
     pub(crate) const ALL: Self = Self { min: [NEGATIVE_INFINITY; 3], max: [POSITIVE_INFINITY; 3] };
+
+    /// The box of a point.
+    pub(crate) const fn point(at: [i32; 3]) -> Self {
+        Self { min: at, max: at }
+    }
 
     /// The box of a slot, by reference.
     #[inline(always)]
@@ -164,6 +169,12 @@ impl KeyBox {
         }
     }
 
+    /// Cuts off infinite coordinates, which would make frames too coarse: once for many corners.
+    pub(crate) fn make_finite(&mut self) {
+        self.min = self.min.map(|low| low.max(key(f32::MIN)));
+        self.max = self.max.map(|high| high.min(key(f32::MAX)));
+    }
+
     /// The box grown by a length on all sides (erratum E1). Sides saturate at the largest float. Where
     /// rounding would shrink the box, the old side stays.
     pub(crate) fn grown(&self, length: f32) -> Self {
@@ -234,4 +245,22 @@ impl KeyBox {
             bounded && !near_zero && if low == high { vanished } else { high.wrapping_sub(low) < 4 }
         })
     }
+}
+
+/// Whether `f32` is too coarse for some of `live` boxes, empty ones aside. A point may be meant, or may be a
+/// box that has lost its sides far from the origin; `f32` cannot tell neighbours apart there either. So points
+/// count only if on no axis the world has four steps for each box of a row, were the boxes to fill a cube.
+pub(crate) fn is_coarse<'b>(boxes: impl Iterator<Item = &'b KeyBox>, live: u32) -> bool {
+    let (mut extent, mut points) = (KeyBox::EMPTY, false);
+    for bounds in boxes.filter(|bounds| !bounds.is_empty()) {
+        if bounds.is_coarse() {
+            return true;
+        }
+        points |= bounds.min == bounds.max && bounds.min.iter().any(|key| value(*key).abs() > 1e-20);
+        extent.include(&KeyBox::point(bounds.min));
+    }
+    extent.make_finite();
+    let steps = |k: usize| extent.max[k].abs_diff(extent.min[k]);
+    let row = u64::from(steps(0).max(steps(1)).max(steps(2)) / 4);
+    points && row < 1 << 16 && row.pow(3) + 1 < u64::from(live)
 }

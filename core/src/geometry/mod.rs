@@ -2,7 +2,6 @@
 
 pub(crate) mod aabb;
 pub(crate) mod boxes;
-pub(crate) mod extent;
 pub(crate) mod key;
 pub(crate) mod line;
 pub(crate) mod record;

@@ -1,7 +1,7 @@
 //! Records: boxes in 16 bits a side, on the grid of their leaf (paper, section IV).
 
 use super::aabb::{Aabb, narrowed, widened};
-use super::key::value;
+use super::key::{KeyBox, value};
 use bytemuck::{Pod, Zeroable};
 
 /// The grid of a leaf: 65,536 steps an axis over the part of its cell where minima are.
@@ -29,15 +29,15 @@ impl Frame {
         if z < steps { 2 } else { longest }
     }
 
-    /// The grid over the minima between two corners.
+    /// The grid over the minima in a box.
     ///
     /// Any monotone map is conservative. It can make boxes touch that are apart, which the exact test finds,
     /// but it never makes boxes apart that touch. Maxima beyond the cell get the last step, above every
     /// minimum, so they tie with nothing.
-    pub(crate) fn over(low: [i32; 3], high: [i32; 3]) -> Self {
-        let origin = low.map(value);
+    pub(crate) fn over(bounds: &KeyBox) -> Self {
+        let origin = bounds.min.map(value);
         let scale = |k: usize| {
-            let (low, high) = (origin[k], value(high[k]));
+            let (low, high) = (origin[k], value(bounds.max[k]));
             // A flat cell still needs a step above zero for the maxima. The floor also keeps denormals out,
             // so a flush-to-zero mode of the host changes nothing.
             let floor = (low.abs().max(high.abs()) * 1e-6).max(1e-24);

@@ -11,7 +11,6 @@ use super::shape::join;
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Nodes, Split, Straddler, large, leaf_of, most};
 use crate::access::Access;
-use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
@@ -26,7 +25,7 @@ use crate::tree::{Frame, Record};
 /// Finds the leaf of every object and counts. If straddlers and large objects are too many, leaves are joined
 /// first. Then each leaf has its counts, and the histogram tells where in their leaf the objects of each block
 /// of slots begin. Returns the bounds of minima, and how many objects left their leaf.
-pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (Extent, u32) {
+pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (KeyBox, u32) {
     loop {
         let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
         let TreeParts { boxes, splits, parents, tops, cells, .. } = &mut parts.tree;
@@ -60,13 +59,13 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     }
 }
 
-fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepContext<'_>) -> (Extent, u32) {
+fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepContext<'_>) -> (KeyBox, u32) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(leaves);
     let boxes = parts.boxes.swept();
     let (splits, cells) = (&*parts.tree.splits, parts.tree.cells.span(0, leaves));
-    let mut found = [(Extent::NONE, 0); SLOT_BLOCKS];
+    let mut found = [(KeyBox::EMPTY, 0); SLOT_BLOCKS];
     let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     histogram.fill(0);
     let blocks = (
@@ -78,10 +77,10 @@ fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepCont
         let boxes = boxes.span(block * len, homes.len());
         found.fill(run!(context.kernels, |simd| count_block(simd, boxes, homes, splits, cells, histogram)));
     });
-    let (mut extent, mut left) = (Extent::NONE, 0);
+    let (mut extent, mut left) = (KeyBox::EMPTY, 0);
     for (part, leavers) in &found {
         left += leavers;
-        extent.union(part);
+        extent.include(part);
     }
     (extent, left)
 }
@@ -94,11 +93,11 @@ fn count_block<S: Simd, I: Index>(
     splits: &[Split],
     cells: &[Cell],
     histogram: &mut [u32],
-) -> (Extent, u32) {
+) -> (KeyBox, u32) {
     let (counts, large) = histogram.as_chunks_mut::<2>();
     // Of one length, so that one check of an index is enough.
-    let Some(counts) = counts.get_mut(..cells.len()) else { return (Extent::NONE, 0) };
-    let (mut extent, mut left) = (Extent::NONE, 0);
+    let Some(counts) = counts.get_mut(..cells.len()) else { return (KeyBox::EMPTY, 0) };
+    let (mut extent, mut left) = (KeyBox::EMPTY, 0);
     for (bounds, home) in boxes.iter().zip(homes) {
         if bounds.is_empty() {
             *home = I::NONE;
@@ -109,7 +108,7 @@ fn count_block<S: Simd, I: Index>(
         if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
             let classified = cell.classify(simd, keys);
             if classified.is_member() {
-                extent.include(&bounds.min);
+                extent.include(&KeyBox::point(bounds.min));
                 *members += 1;
                 *straddlers += u32::from(classified.straddles());
                 continue;
@@ -123,7 +122,7 @@ fn count_block<S: Simd, I: Index>(
             *home = I::LARGE;
             large.put(0, large.at(0) + 1);
         } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
-            extent.include(&bounds.min);
+            extent.include(&KeyBox::point(bounds.min));
             *home = I::from_slot(leaf as u32);
             *members += 1;
             *straddlers += u32::from(classified.straddles());
@@ -135,7 +134,7 @@ fn count_block<S: Simd, I: Index>(
 }
 
 /// Gives leaves their places, writes all records and straddlers there, and finds the boxes of nodes.
-pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &Extent, context: StepContext<'_>) {
+pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &KeyBox, context: StepContext<'_>) {
     let leaves = parts.state.tree.count as usize;
     let (mut record, mut straddler, mut large) = (0, 0, 0);
     let (most, row) = (most(parts.state) as u32, histogram_row(leaves));

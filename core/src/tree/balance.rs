@@ -8,7 +8,6 @@ use super::limits::{CROWDED_SHARE, GHOSTS_SHARE, HEAVY, HEAVY_STEPS, PATIENCE};
 use super::shape::join;
 use super::{large, most, planned};
 use crate::access::Access;
-use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len, depth_for, histogram_row};
@@ -39,7 +38,7 @@ const STAYS: u32 = u32::MAX;
 /// each step, full ones wait until they have many members together, or one has far too many.
 pub(crate) fn balance<I: Index>(
     parts: &mut Parts<'_, I>,
-    extent: &Extent,
+    extent: &KeyBox,
     waits: bool,
     context: StepContext<'_>,
 ) -> u32 {

@@ -3,12 +3,11 @@
 use super::limits::{FAR, OUTLIERS, SPARSE, SPREAD_SAMPLE};
 use super::{Cell, Frame, Leaf, Nodes, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
-use crate::geometry::extent::Extent;
-use crate::geometry::key::{key, length, value};
+use crate::geometry::key::{KeyBox, key, length, value};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 
-impl Extent {
+impl KeyBox {
     /// The part where most minima are, as a sample shows. The extent itself if that is not far smaller.
     pub(crate) fn trimmed(&self, sample: &Sample) -> Self {
         let (low, high) = sample.bounds();
@@ -18,23 +17,23 @@ impl Extent {
                 continue;
             }
             let most = length(low[k], high[k]);
-            if length(self.low[k], self.high[k]) > SPARSE * most {
+            if length(self.min[k], self.max[k]) > SPARSE * most {
                 // A sample does not see all: it is made as long again on either side.
-                trimmed.low[k] = self.low[k].max(key((value(low[k]) - most).max(f32::MIN)));
-                trimmed.high[k] = self.high[k].min(key((value(high[k]) + most).min(f32::MAX)));
+                trimmed.min[k] = self.min[k].max(key((value(low[k]) - most).max(f32::MIN)));
+                trimmed.max[k] = self.max[k].min(key((value(high[k]) + most).min(f32::MAX)));
             }
         }
         trimmed
     }
 
     /// The part of a cell where minima can be.
-    pub(crate) fn clip(&self, cell: &Cell) -> ([i32; 3], [i32; 3]) {
-        let (mut low, mut high) = (cell.low(), cell.high());
+    pub(crate) fn clip(&self, cell: &Cell) -> Self {
+        let mut part = Self { min: cell.low(), max: cell.high() };
         for k in 0..3 {
-            low[k] = low[k].max(self.low[k]).min(self.high[k]);
-            high[k] = high[k].min(self.high[k]).max(low[k]);
+            part.min[k] = part.min[k].max(self.min[k]).min(self.max[k]);
+            part.max[k] = part.max[k].min(self.max[k]).max(part.min[k]);
         }
-        (low, high)
+        part
     }
 }
 
@@ -110,13 +109,12 @@ pub(crate) fn cell_of(nodes: Nodes<'_>, mut node: usize) -> Cell {
 }
 
 /// Cuts space by the planes into one cell a leaf. O(leaves · depth).
-pub(crate) fn cut(nodes: Nodes<'_>, extent: &Extent, cells: &mut [Cell], context: StepContext<'_>) {
+pub(crate) fn cut(nodes: Nodes<'_>, extent: &KeyBox, cells: &mut [Cell], context: StepContext<'_>) {
     context.each(Chunks::new(cells, 1), |leaf, to| {
         let cell = cell_of(nodes, nodes.tops.at(leaf) as usize);
-        let (low, high) = extent.clip(&cell);
-        let mut far = cell.high();
+        let (part, mut far) = (extent.clip(&cell), cell.high());
         for k in 0..3 {
-            let reach = FAR * length(low[k], high[k]);
+            let reach = FAR * length(part.min[k], part.max[k]);
             // Beside a flat cell no box is large.
             far[k] = match far[k] {
                 i32::MAX => i32::MAX,
@@ -150,10 +148,9 @@ pub(crate) fn divide(planes: &[i32], levels: u32, cells: &mut [Cell]) {
 }
 
 /// Makes the frame and the sweep axis of each leaf, from the bounds of minima. O(leaves).
-pub(crate) fn frame(cells: &[Cell], extent: &Extent, frames: &mut [Frame], leaves: &mut [Leaf]) {
+pub(crate) fn frame(cells: &[Cell], extent: &KeyBox, frames: &mut [Frame], leaves: &mut [Leaf]) {
     for ((cell, frame), leaf) in cells.iter().zip(frames).zip(leaves) {
-        let (low, high) = extent.clip(cell);
-        *frame = Frame::over(low, high);
+        *frame = Frame::over(&extent.clip(cell));
         leaf.axis = frame.longest_axis() as u32;
     }
 }

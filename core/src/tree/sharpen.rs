@@ -5,7 +5,6 @@
 use super::cells::Sample;
 use super::{Cell, Frame, Record};
 use crate::access::Access;
-use crate::geometry::extent::Extent;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::slab::Parts;
@@ -27,8 +26,7 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
         frame.fill(narrow(boxes, &extent, &cells.at(index), members));
     });
     for ((cell, frame), leaf) in cells.iter().zip(&*tree.frames).zip(&mut *tree.leaves) {
-        let (low, high) = extent.clip(cell);
-        if *frame != Frame::over(low, high) {
+        if *frame != Frame::over(&extent.clip(cell)) {
             leaf.axis = frame.longest_axis() as u32;
             let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
             run!(context.kernels, |simd| for record in members {
@@ -40,11 +38,10 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
 }
 
 /// The frame of a leaf from where most of its members are.
-fn narrow(boxes: &[KeyBox], extent: &Extent, cell: &Cell, members: &[Record]) -> Frame {
+fn narrow(boxes: &[KeyBox], extent: &KeyBox, cell: &Cell, members: &[Record]) -> Frame {
     let minimum = |at| members.get(at).map(|record: &Record| KeyBox::of(boxes, record.slot() as usize).min);
-    let (low, high) = extent.clip(cell);
-    let narrow = Extent { low, high }.trimmed(&Sample::of(members.len(), minimum));
+    let wide = extent.clip(cell);
+    let narrow = wide.trimmed(&Sample::of(members.len(), minimum));
     // If they are all at one point, no grid tells them apart, but the wide one tells the rest.
-    let one_point = narrow.low == narrow.high;
-    if one_point { Frame::over(low, high) } else { Frame::over(narrow.low, narrow.high) }
+    Frame::over(if narrow.min == narrow.max { &wide } else { &narrow })
 }

@@ -12,7 +12,6 @@ use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
 use super::{Cell, Leaf, Record, SUB_LEAVES, UNSPLIT, plane, renumber, sub_leaf_of};
 use crate::access::Access;
 use crate::filter::offer;
-use crate::geometry::extent::Extent;
 use crate::geometry::key::{KeyBox, length};
 use crate::id::Index;
 use crate::memory::limits::SUB_LEVELS;
@@ -75,9 +74,9 @@ fn make_planes(tree: &mut TreeParts<'_>, boxes: &[KeyBox], leaf: &Leaf, whole: u
         let [start, middle, end] =
             [0, 1, 2].map(|half| (count * (2 * (node - (1 << level)) + half)) >> (level + 1));
         let part = sample.span_mut(start, end - start);
-        let mut extent = Extent::NONE;
-        part.iter().for_each(|min| extent.include(min));
-        let side = |k: usize| length(extent.low[k % 3], extent.high[k % 3]);
+        let mut extent = KeyBox::EMPTY;
+        part.iter().for_each(|min| extent.include(&KeyBox::point(*min)));
+        let side = |k: usize| length(extent.min[k % 3], extent.max[k % 3]);
         let axis = (1..3).fold(0, |best, k| if side(k) > 1.25 * side(best) { k } else { best });
         heapsort(part, |a, b| a[axis % 3] < b[axis % 3]);
         let (low, here) = (sample.get(start), sample.get(middle));

@@ -5,7 +5,7 @@ use crate::access::Access;
 use crate::config::Capacity;
 use crate::error::Error;
 use crate::geometry::aabb::Aabb;
-use crate::geometry::extent::is_coarse;
+use crate::geometry::key::is_coarse;
 use crate::id::{Id, Index};
 use core::fmt;
 

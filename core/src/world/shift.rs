@@ -83,11 +83,7 @@ impl<I: Index> World<'_, I> {
             let axis = axis_of(*plane);
             *plane = self::plane(axis, key(round_down(widened(value(key_of(*plane))), by[axis])));
         }
-        let extent = &mut parts.state.tree.extent;
-        for (k, by) in by.into_iter().enumerate() {
-            extent.low[k] = key(round_down(widened(value(extent.low[k])), by));
-            extent.high[k] = key(round_up(widened(value(extent.high[k])), by));
-        }
+        (parts.state.tree.extent, _) = shifted(parts.state.tree.extent, by);
         Ok(rounded)
     }
 }

@@ -60,7 +60,7 @@ fn records_keep_the_order_of_all_coarse_coordinates() {
         for (to, high) in corners.iter().enumerate().skip(at) {
             // Another side on each axis.
             let between = corners[(at + to) / 2];
-            let frame = Frame::over([*low, *low, between], [*high, between, *high]);
+            let frame = Frame::over(&KeyBox { min: [*low, *low, between], max: [*high, between, *high] });
             assert!(is_sound(&frame), "from {low} to {high}");
             for kernels in Kernels::all() {
                 let holds = run!(kernels, |simd| ascends(simd, frame, coarse_keys()));
@@ -75,7 +75,7 @@ fn records_keep_the_order_of_coordinates_in_frames_of_all_sizes() {
     for low in corners() {
         for size in (0..25).map(|bits| 1 << bits) {
             let high = low.saturating_add(size).min(POSITIVE_INFINITY - 1);
-            let frame = Frame::over([low; 3], [high; 3]);
+            let frame = Frame::over(&KeyBox { min: [low; 3], max: [high; 3] });
             let from = low.saturating_sub(size).max(NEGATIVE_INFINITY);
             let until = high.saturating_add(size).min(POSITIVE_INFINITY);
             let keys = (from..=until).step_by((size as usize / 1024).max(1));

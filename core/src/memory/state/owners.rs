@@ -1,6 +1,6 @@
 //! The numbers of each layer, one struct an owner.
 
-use crate::geometry::extent::Extent;
+use crate::geometry::key::KeyBox;
 use crate::memory::limits::SUB_LEVELS;
 use crate::memory::scratch::Work;
 use crate::memory::stats::{Path, Reason, Route};
@@ -77,7 +77,8 @@ pub(crate) struct TreeState {
     pub(crate) large_changed: u32,
     /// Slots in use at the last complete step. An object in another one has no pairs yet.
     pub(crate) known: u32,
-    pub(crate) extent: Extent,
+    /// The bounds of the finite minimum corners, without large objects where these are known.
+    pub(crate) extent: KeyBox,
     /// When all leaves were last filled: leaves with members, and members of the fullest one.
     pub(crate) leaves_in_use: u32,
     pub(crate) fullest_leaf: u32,
