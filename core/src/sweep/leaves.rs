@@ -83,10 +83,9 @@ impl<S: Simd> Gathered<'_, S> {
         for straddlers in straddlers.chunks(64) {
             // Noted for all of them first, since which ones touch the cell is hard to predict.
             let mut touching = 0u64;
-            for (bit, straddler) in straddlers.iter().enumerate() {
+            for (bit, Straddler { bounds, .. }) in straddlers.iter().enumerate() {
                 // Its minima are below the high sides, its maxima not below the low sides.
-                let above = simd.above(self.entrance, simd.keys(&straddler.bounds));
-                let touches = above & (MINIMA | MAXIMA) == MINIMA;
+                let touches = simd.above(self.entrance, simd.keys(bounds)) & (MINIMA | MAXIMA) == MINIMA;
                 touching |= u64::from(touches) << bit;
             }
             while touching != 0 {
