@@ -31,7 +31,7 @@ impl<V: Half> Vectors for Twice<V> {
         V::detect().map(Self)
     }
 
-    const TESTS_SOME_PAIRS: bool = V::TESTS_SOME_PAIRS;
+    const TESTS_ANY_FOUR: bool = V::TESTS_ANY_FOUR;
 
     type Vector = (V::Vector, V::Vector);
 
