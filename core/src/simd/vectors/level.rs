@@ -4,7 +4,7 @@ use super::encode::{
     MINIMA, OWNERS, above, numbers, outside, put_three, second, smallest, three, turned, zeros,
 };
 use super::fours::{HALVES, keep, limit, pick};
-use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, ends, places};
+use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, ends, operations, places};
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{AHEAD, AROUND, KeyBox, KeyFour, POSITIVE_INFINITY, SHORTEST};
 use crate::geometry::line::{Crossing, Walk};
@@ -62,10 +62,15 @@ impl<W: Halves> Simd for Level<W> {
         self.0.call(work)
     }
 
-    #[inline(always)]
-    fn keys(self, bounds: &KeyBox) -> W::Vector {
-        let [first, last] = ends(bounds);
-        self.0.pick(first, last)
+    operations! { |this|
+        keys(bounds: &KeyBox) -> W::Vector = {
+            let [first, last] = ends(bounds);
+            this.0.pick(first, last)
+        };
+        above(a: W::Vector, b: W::Vector) -> u32 = this.0.bits8(this.0.above32(a, b));
+        axis(axis: usize) -> [HalfOf<W>; 2] =
+            [high_bytes(this.0, row_lanes(axis)), high_bytes(this.0, query_lanes(axis))];
+        window(rows: &[Row; WINDOW], count: usize, query: W::Vector) -> u64 = this.0.window(rows, count, query);
     }
 
     #[inline(always)]
@@ -138,22 +143,12 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     #[inline(always)]
-    fn above(self, a: W::Vector, b: W::Vector) -> u32 {
-        self.0.bits8(self.0.above32(a, b))
-    }
-
-    #[inline(always)]
     fn overlap(self, a: &KeyBox, b: &KeyBox) -> bool {
         let (w, [a_min, a_max], [b_min, b_max]) = (self.0, ends(a), ends(b));
         // The minima of both; one number, then the maxima of the other one, which they must not exceed.
         let (minima, maxima) = (w.pick(a_min, b_min), w.pick(b_max, a_max));
         let maxima = w.shuffle(maxima, w.both(&places([1, 2, 3, 0])));
         !w.any_of_three(w.above32(minima, maxima))
-    }
-
-    #[inline(always)]
-    fn axis(self, axis: usize) -> [HalfOf<W>; 2] {
-        [high_bytes(self.0, row_lanes(axis)), high_bytes(self.0, query_lanes(axis))]
     }
 
     #[inline(always)]
@@ -167,11 +162,6 @@ impl<W: Halves> Simd for Level<W> {
         let h = self.0.half();
         let query = h.shuffle(h.load(bytemuck::cast_ref(record)), query);
         self.0.joined(query, query)
-    }
-
-    #[inline(always)]
-    fn window(self, rows: &[Row; WINDOW], count: usize, query: W::Vector) -> u64 {
-        self.0.window(rows, count, query)
     }
 
     #[inline(always)]
