@@ -202,7 +202,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("pairs", 667),
     ("parallel", 498),
     ("query", 1156),
-    ("simd", 1899),
+    ("simd", 1806),
     ("snapshot", 598),
     ("step", 736),
     ("sweep", 1362),
