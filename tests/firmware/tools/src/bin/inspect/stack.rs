@@ -21,7 +21,7 @@ const HOOKS: [(&str, &[&str]); 34] = [
     ("cast::OnLine<u16>>::{closure", &["::hits::{closure", "::first_hit::{closure"]),
     ("nearest::Near<u16>>::{closure", &["api::nearest::{closure"]),
     // A program without a ball has none to ask, and the check of pairs asks for boxes alone.
-    ("region::Within>::side", &["region::Ball as", KEPT]),
+    ("region::InRegion<u16>>::side", &["region::Ball as", KEPT]),
     ("in_parallel::{closure", &["trisap_core::step::", "collect::{closure"]),
     ("collect::{closure", &["trisap_core::step::"]),
     ("Collector", &["trisap_core::step::", "collect::{closure", "in_parallel::{closure", "Executor>::"]),
