@@ -60,7 +60,7 @@ pub(crate) fn block_len(slots: usize) -> usize {
     slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
 }
 
-/// Entries of one block's histogram: objects and straddlers of each leaf, two by two; large objects last.
+/// Entries of one block's histogram: up to two numbers of each leaf, and one more.
 pub(crate) const fn histogram_row(leaves: usize) -> usize {
     2 * leaves + 1
 }

@@ -108,8 +108,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
         }
     }
 
-    /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `5 + k` for maximum `k`. The
-    /// two bits between them mean nothing.
+    /// The keys of `a` that are above the keys of `b`: bit `k` for minimum `k`, bit `3 + k` for maximum `k`.
     fn above(self, a: Self::Keys, b: Self::Keys) -> u32;
 
     /// As [`KeyBox::overlaps`].
@@ -263,7 +262,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
 
 /// The bits of minima in a mask, and of maxima.
 pub(crate) const MINIMA: u32 = 0b111;
-pub(crate) const MAXIMA: u32 = 0b111 << 5;
+pub(crate) const MAXIMA: u32 = 0b111 << 3;
 
 /// The lanes that a row comes from, complemented.
 #[inline(always)]

@@ -23,8 +23,12 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn above(self, a: KeyBox, b: KeyBox) -> u32 {
-        let above = |a: [i32; 3], b: [i32; 3]| (0..3).fold(0, |mask, k| mask | u32::from(a[k] > b[k]) << k);
-        above(a.min, b.min) | above(a.max, b.max) << 5
+        let mut mask = 0;
+        for k in 0..3 {
+            mask |= u32::from(a.min[k] > b.min[k]) << k;
+            mask |= u32::from(a.max[k] > b.max[k]) << (3 + k);
+        }
+        mask
     }
 
     #[inline(always)]

@@ -88,7 +88,10 @@ pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool, context: S
         if rebalanced > 0 {
             extent = assign::count(parts, context).0;
         }
-        assign::fill(parts, &extent, context);
+        while !assign::fill(parts, &extent, context) {
+            assign::coarsen(parts);
+            extent = assign::count(parts, context).0;
+        }
         parts.state.step.kept = u8::from(few);
     }
     balance::review(parts);

@@ -13,7 +13,7 @@ use crate::id::Index;
 use crate::memory::scratch::{LeafScratch, Scratch};
 use crate::memory::slab::TreeParts;
 use crate::memory::state::TreeState;
-use crate::simd::{MAXIMA, MINIMA, Simd, call};
+use crate::simd::{MINIMA, Simd, call};
 use crate::tree::large::Large;
 use crate::tree::visit::Visit;
 use crate::tree::{Frame, Leaf, Nodes, Record, Straddler};
@@ -85,7 +85,7 @@ impl<S: Simd> Gathered<'_, S> {
             let mut touching = 0u64;
             for (bit, Straddler { bounds, .. }) in straddlers.iter().enumerate() {
                 // Its minima are below the high sides, its maxima not below the low sides.
-                let touches = simd.above(self.entrance, simd.keys(bounds)) & (MINIMA | MAXIMA) == MINIMA;
+                let touches = simd.above(self.entrance, simd.keys(bounds)) == MINIMA;
                 touching |= u64::from(touches) << bit;
             }
             while touching != 0 {

@@ -1,12 +1,12 @@
 //! Fills all leaves: a counting sort of the objects by leaf, in the order of their slots.
 //!
-//! The first pass finds the leaf of each object (its last leaf, or a walk down the tree) and counts.
-//! The second pass writes records, straddlers and large objects where the counts say. Both read the boxes in
-//! memory order and write each leaf in sequence. Any worker may take any block of slots; the result is that
-//! of one worker that takes them in order.
+//! The first pass finds the leaf of each object (its last leaf, or a walk down the tree) and counts. The second
+//! pass writes records and large objects where the counts say. Both read the boxes in memory order and write
+//! each leaf in sequence. Any worker may take any block of slots; the result is that of one worker that takes
+//! them in order.
 
 use super::cells::{cut, frame};
-use super::enclose::enclose;
+use super::enclose::{enclose, number_straddlers};
 use super::shape::join;
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Nodes, Split, Straddler, large, leaf_of, most};
@@ -22,39 +22,34 @@ use crate::simd::Simd;
 use crate::simd::kernels::run;
 use crate::tree::{Frame, Record};
 
-/// Finds the leaf of every object and counts. If straddlers and large objects are too many, leaves are joined
-/// first. Then each leaf has its counts, and the histogram tells where in their leaf the objects of each block
-/// of slots begin. Returns the bounds of minima, and how many objects left their leaf.
+/// Finds the leaf of every object and counts. Then each leaf has its count, and the histogram tells where in
+/// their leaf the objects of each block of slots begin. Returns the bounds of minima, and how many objects left
+/// their leaf.
 pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> (KeyBox, u32) {
-    loop {
-        let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
-        let TreeParts { boxes, splits, parents, tops, cells, .. } = &mut parts.tree;
-        cut(Nodes { boxes, splits, parents, tops }, &extent, cells.span_mut(0, leaves), context);
-        let counted = count_in(parts, leaves, context);
-        let (row, mut large) = (histogram_row(leaves), 0u64);
-        let counted_in = parts.tree.leaves.span_mut(0, leaves);
-        counted_in.iter_mut().for_each(|leaf| (leaf.len, leaf.straddler_len) = (0, 0));
-        for histogram in parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row).chunks_exact_mut(row.max(1)) {
-            let (counts, rest) = histogram.as_chunks_mut::<2>();
-            for (leaf, [members, straddlers]) in counted_in.iter_mut().zip(counts) {
-                leaf.len += core::mem::replace(members, leaf.len);
-                leaf.straddler_len += core::mem::replace(straddlers, leaf.straddler_len);
-            }
-            large += u64::from(rest.at(0));
+    let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
+    let TreeParts { boxes, splits, parents, tops, cells, .. } = &mut parts.tree;
+    cut(Nodes { boxes, splits, parents, tops }, &extent, cells.span_mut(0, leaves), context);
+    let counted = count_in(parts, leaves, context);
+    let counted_in = parts.tree.leaves.span_mut(0, leaves);
+    counted_in.iter_mut().for_each(|leaf| leaf.len = 0);
+    let row = histogram_row(leaves);
+    for histogram in parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row).chunks_exact_mut(row.max(1)) {
+        for (leaf, members) in counted_in.iter_mut().zip(histogram) {
+            leaf.len += core::mem::replace(members, leaf.len);
         }
-        let straddlers = counted_in.iter().map(|leaf| u64::from(leaf.straddler_len)).sum();
-        let (live, room) = (parts.state.objects.live, parts.tree.straddlers.len());
-        if leaves == 1 || large::fit(straddlers, large, leaves as u32, live, room) {
-            return counted;
-        }
-        parts.state.tree.coarser += 1;
-        let most = most(parts.state);
-        let mut before = 0;
-        while before != parts.state.tree.count {
-            before = parts.state.tree.count;
-            for leaf in (1..before as usize).rev() {
-                join(&mut parts.tree, &mut parts.state.tree, leaf, most);
-            }
+    }
+    counted
+}
+
+/// Plans leaves twice as large, and joins what is smaller: ghosts and large objects are too many.
+pub(crate) fn coarsen<I: Index>(parts: &mut Parts<'_, I>) {
+    parts.state.tree.coarser += 1;
+    let most = most(parts.state);
+    let mut before = 0;
+    while before != parts.state.tree.count {
+        before = parts.state.tree.count;
+        for leaf in (1..before as usize).rev() {
+            join(&mut parts.tree, &mut parts.state.tree, leaf, most);
         }
     }
 }
@@ -94,9 +89,10 @@ fn count_block<S: Simd, I: Index>(
     cells: &[Cell],
     histogram: &mut [u32],
 ) -> (KeyBox, u32) {
-    let (counts, large) = histogram.as_chunks_mut::<2>();
     // Of one length, so that one check of an index is enough.
-    let Some(counts) = counts.get_mut(..cells.len()) else { return (KeyBox::EMPTY, 0) };
+    let Some((counts, large)) = histogram.split_at_mut_checked(cells.len()) else {
+        return (KeyBox::EMPTY, 0);
+    };
     let (mut extent, mut left) = (KeyBox::EMPTY, 0);
     for (bounds, home) in boxes.iter().zip(homes) {
         if bounds.is_empty() {
@@ -105,27 +101,23 @@ fn count_block<S: Simd, I: Index>(
         }
         let keys = simd.keys(bounds);
         let leaf = home.at();
-        if let (Some(cell), Some([members, straddlers])) = (cells.get(leaf), counts.get_mut(leaf)) {
-            let classified = cell.classify(simd, keys);
-            if classified.is_member() {
-                extent.include(&KeyBox::point(bounds.min));
-                *members += 1;
-                *straddlers += u32::from(classified.straddles());
-                continue;
-            }
+        if let (Some(cell), Some(members)) = (cells.get(leaf), counts.get_mut(leaf))
+            && cell.classify(simd, keys).is_member()
+        {
+            extent.include(&KeyBox::point(bounds.min));
+            *members += 1;
+            continue;
         }
         // The object is new, large, or has left its leaf.
         left += u32::from(*home != I::LARGE);
         let leaf = leaf_of(splits, &bounds.min);
-        let classified = cells.at(leaf).classify(simd, keys);
-        if classified.is_large() {
+        if cells.at(leaf).classify(simd, keys).is_large() {
             *home = I::LARGE;
             large.put(0, large.at(0) + 1);
-        } else if let Some([members, straddlers]) = counts.get_mut(leaf) {
+        } else if let Some(members) = counts.get_mut(leaf) {
             extent.include(&KeyBox::point(bounds.min));
             *home = I::from_slot(leaf as u32);
             *members += 1;
-            *straddlers += u32::from(classified.straddles());
         }
     }
     // Infinite coordinates would make frames too coarse, as would large objects.
@@ -133,40 +125,47 @@ fn count_block<S: Simd, I: Index>(
     (extent, left)
 }
 
-/// Gives leaves their places, writes all records and straddlers there, and finds the boxes of nodes.
-pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &KeyBox, context: StepContext<'_>) {
+/// Gives leaves their places, writes all records there, lists straddlers and large objects, and finds the boxes
+/// of nodes. Returns whether straddlers and large objects fit: leaves are to be [coarser](coarsen) if not.
+pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &KeyBox, context: StepContext<'_>) -> bool {
     let leaves = parts.state.tree.count as usize;
-    let (mut record, mut straddler, mut large) = (0, 0, 0);
+    let (mut record, mut large) = (0, 0);
     let (most, row) = (most(parts.state) as u32, histogram_row(leaves));
     for leaf in parts.tree.leaves.span_mut(0, leaves) {
-        (leaf.start, leaf.straddler_start) = (record, straddler);
+        leaf.start = record;
         // Some room, so that objects can come without a new fill; none where it would be too full.
         leaf.room = (leaf.len + leaf.len / 8 + ROOM).min(leaf.len.max(most));
         record += leaf.room;
-        straddler += leaf.straddler_len;
     }
-    // Where the large objects of each block go.
-    for count in parts.tree.histogram.iter_mut().take(SLOT_BLOCKS * row).skip(row - 1).step_by(row) {
+    // Where the large objects of each block go: to the end of the array, until the number of straddlers is known.
+    for count in parts.tree.histogram.iter_mut().take(SLOT_BLOCKS * row).skip(leaves).step_by(row) {
         large += core::mem::replace(count, large);
     }
-    let listed = large::seat(parts, straddler, large);
+    if !large::fit(parts, parts.state.tree.count, 0, large) {
+        return false;
+    }
     parts.state.tree.extent = *extent;
     frame(parts.tree.cells.span(0, leaves), extent, parts.tree.frames, parts.tree.leaves);
-    let listed = listed && large::renew(parts);
-    scatter(parts, leaves, listed, context);
-    large::arrange(parts, listed);
+    let list = parts.tree.straddlers.len() - large as usize;
+    scatter(parts, leaves, list, context);
+    let straddlers = number_straddlers(parts, context);
+    if !large::fit(parts, parts.state.tree.count, straddlers.into(), large) {
+        return false;
+    }
+    large::seat(parts, list, straddlers, large);
+    large::arrange(parts, true);
     sharpen(parts, context);
-    enclose(parts, false, context);
+    enclose(parts, context);
     parts.state.tree.filled = 1;
+    true
 }
 
-/// Writes records and straddlers; and the large objects, if they are not `listed` yet.
-fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, listed: bool, context: StepContext<'_>) {
+/// Writes records, and the large objects, from a straddler on.
+fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, list: usize, context: StepContext<'_>) {
     let slots = parts.state.objects.slots as usize;
     let len = block_len(slots);
     let row = histogram_row(leaf_count);
     let boxes = parts.boxes.swept();
-    let large_list = parts.state.tree.large_list();
     let homes = &*parts.home;
     let (cells, frames, leaves) =
         (parts.tree.cells.span(0, leaf_count), &*parts.tree.frames, parts.tree.leaves.span(0, leaf_count));
@@ -179,13 +178,12 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, listed: bool, 
     context.each(blocks, |block, (places, histogram)| {
         let first = block * len;
         let boxes = (first, boxes.span(first, places.len()));
-        let slots = (homes.span(first, places.len()), places);
-        let list = (straddlers, (!listed).then_some(large_list));
+        let (slots, list) = ((homes.span(first, places.len()), places), (straddlers, list));
         run!(context.kernels, |simd| scatter_block(simd, boxes, slots, tree, records, list, histogram));
     });
 }
 
-/// The same for some consecutive slots, from a first one on. `large_list`: where the large objects go.
+/// The same for some consecutive slots, from a first one on.
 #[inline(always)]
 fn scatter_block<S: Simd, I: Index>(
     simd: S,
@@ -193,39 +191,31 @@ fn scatter_block<S: Simd, I: Index>(
     (homes, places): (&[I], &mut [I]),
     (cells, frames, leaves): (&[Cell], &[Frame], &[Leaf]),
     records: Shared<'_, Record>,
-    (straddlers, large_list): (Shared<'_, Straddler>, Option<usize>),
+    (straddlers, list): (Shared<'_, Straddler>, usize),
     histogram: &mut [u32],
 ) {
-    let (next, large) = histogram.as_chunks_mut::<2>();
     // Of one length, for the same reason.
-    let (Some(next), Some(cells), Some(frames)) =
-        (next.get_mut(..leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
+    let (Some((next, large)), Some(cells), Some(frames)) =
+        (histogram.split_at_mut_checked(leaves.len()), cells.get(..leaves.len()), frames.get(..leaves.len()))
     else {
         return;
     };
     for (index, ((bounds, home), place)) in boxes.iter().zip(homes).zip(places).enumerate() {
         let slot = (first + index) as u32;
         let leaf = home.at();
-        if let (Some([member, straddler]), Some(cell), Some(frame), Some(leaf)) =
+        if let (Some(next), Some(cell), Some(frame), Some(leaf)) =
             (next.get_mut(leaf), cells.get(leaf), frames.get(leaf), leaves.get(leaf))
         {
-            let at = *member;
-            *member = at + 1;
+            let at = core::mem::replace(next, *next + 1);
             *place = I::from_slot(at);
             let keys = simd.keys(bounds);
-            let classified = cell.classify(simd, keys);
-            let record = simd.record(frame, keys, slot | classified.marks());
+            let record = simd.record(frame, keys, slot | cell.classify(simd, keys).marks());
             records.store((leaf.start + at) as usize, &record);
-            if classified.straddles() {
-                let at = leaf.straddler_start + *straddler;
-                straddlers.store(at as usize, &Straddler { bounds: *bounds, slot, long: 0 });
-                *straddler += 1;
-            }
-        } else if let (true, Some(large_list)) = (*home == I::LARGE, large_list) {
+        } else if *home == I::LARGE {
             let at = large.at(0);
             large.put(0, at + 1);
             *place = I::from_slot(at);
-            straddlers.store(large_list + at as usize, &Straddler { bounds: *bounds, slot, long: 0 });
+            straddlers.store(list + at as usize, &Straddler { bounds: *bounds, slot, long: 0 });
         }
     }
 }

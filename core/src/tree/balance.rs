@@ -90,9 +90,8 @@ fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize, context: StepC
     let histogram = tree.histogram.span_mut(0, SLOT_BLOCKS * row);
     let blocks = (Chunks::new(home.span_mut(0, slots), len), Chunks::new(histogram, row));
     context.each(blocks, |block, (homes, histogram)| {
-        let (next, _) = histogram.as_chunks_mut::<2>();
         for (slot, home) in (block * len..).zip(homes) {
-            if let (Some(leaf), Some([next, _])) = (starts.get(home.at()), next.get_mut(home.at()))
+            if let (Some(leaf), Some(next)) = (starts.get(home.at()), histogram.get_mut(home.at()))
                 && leaf.start != STAYS
             {
                 list.store((leaf.start + *next) as usize, I::from_slot(slot as u32));
@@ -163,18 +162,16 @@ pub(crate) fn plan(state: &mut State) {
 /// Plans leaves of the usual size again, if there were too many ghosts for that and by now there are fewer.
 /// Returns whether all must be counted anew.
 pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>) -> bool {
-    let (state, room) = (&mut *parts.state, parts.tree.straddlers.len());
-    let (coarser, number) = (state.tree.coarser, u64::from(state.tree.large));
-    if coarser == 0 || state.tree.wait > 0 {
+    let TreeState { coarser, wait, large, large_start, count, .. } = parts.state.tree;
+    if coarser == 0 || wait > 0 {
         return false;
     }
     // Twice as many leaves have at most about twice as many ghosts.
-    let [straddlers, leaves] =
-        [state.tree.large_start, state.tree.count].map(|n| u64::from(n) << coarser.min(31));
-    if !large::fit(straddlers, number, leaves as u32, state.objects.live, room) {
+    let [straddlers, leaves] = [large_start, count].map(|n| u64::from(n) << coarser.min(31));
+    if !large::fit(parts, leaves as u32, straddlers, large) {
         return false;
     }
-    state.tree.coarser = 0;
-    put_off(&mut state.tree);
+    parts.state.tree.coarser = 0;
+    put_off(&mut parts.state.tree);
     true
 }

@@ -28,22 +28,17 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: Ste
     start
 }
 
-/// Makes the box of each node: a leaf's around its cell and straddlers, an inner node's around its children.
-/// First `lists` the straddlers where [`number_straddlers`] says, if they are not there yet.
-pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, lists: bool, context: StepContext<'_>) {
+/// Lists the straddlers where [`number_straddlers`] says, and makes the box of each node: a leaf's around its
+/// cell and straddlers, an inner node's around its children.
+pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let (boxes, tree, count) = (parts.boxes.swept(), &mut parts.tree, parts.state.tree.count as usize);
     tree.boxes.span_mut(0, 2 * count).fill(KeyBox::NOTHING);
     let (leaves, cells, tops) = (&*tree.leaves, &*tree.cells, tree.tops.span(0, count));
-    let (records, nodes) = (&*tree.records, Shared::new(tree.boxes));
-    let (list, listed): (&mut [_], &[Straddler]) =
-        if lists { (tree.straddlers, &[]) } else { (&mut [], tree.straddlers) };
-    let list = Shared::new(list);
+    let (records, nodes, list) = (&*tree.records, Shared::new(tree.boxes), Shared::new(tree.straddlers));
     context.each(count, |index, ()| {
         let (leaf, mut around) = (leaves.at(index), cells.at(index).inside());
-        let (mut at, len) = (leaf.straddler_start as usize, leaf.straddler_len as usize);
-        listed.iter().skip(at).take(len).for_each(|straddler| around.include(&straddler.bounds));
-        let members = if lists { leaf.members(records) } else { &[] };
-        for members in members.chunks(64) {
+        let mut at = leaf.straddler_start as usize;
+        for members in leaf.members(records).chunks(64) {
             // Noted for all of them first, since which ones straddle is hard to predict.
             let marks = members.iter().map(|record| record.tag / Record::STRADDLES % 2);
             let mut marked = marks.rev().fold(0u64, |bits, mark| 2 * bits + u64::from(mark));

@@ -13,6 +13,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, histogram_row};
 use crate::memory::slab::Parts;
+use crate::memory::state::TreeState;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::{Shared, SharedSlots};
@@ -30,11 +31,8 @@ const MOST_KEPT: u8 = 32;
 /// filled anew; returns how many objects have left theirs already.
 pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Result<(), u32> {
     let (live, tree, kept) = (parts.state.objects.live, &parts.state.tree, parts.state.step.kept);
-    let (leaves, filled) = (tree.count, tree.filled);
-    // Large objects count as leavers.
-    let are_many = tree.large > live / LEAVERS_SHARE;
-    if are_many || tree.filled == 0 || tree.heavy != 0 || tree.uneven != 0 || !(1..=MOST_KEPT).contains(&kept)
-    {
+    let filled = tree.filled;
+    if tree.filled == 0 || tree.heavy != 0 || tree.uneven != 0 || !(1..=MOST_KEPT).contains(&kept) {
         return Err(0);
     }
     let left = rewrite(parts, context);
@@ -42,17 +40,15 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
     if left > live / LEAVERS_SHARE || !settle(parts, context) {
         return Err(left);
     }
-    let large = parts.state.tree.large;
     let straddlers = number_straddlers(parts, context);
-    if !large::fit(straddlers.into(), large.into(), leaves, live, parts.tree.straddlers.len()) {
+    let TreeState { large, count, .. } = parts.state.tree;
+    if !large::fit(parts, count, straddlers.into(), large) {
         return Err(left);
     }
-    large::seat(parts, straddlers, large);
-    if !large::renew(parts) {
-        return Err(left);
-    }
-    large::arrange(parts, true);
-    enclose(parts, true, context);
+    large::seat(parts, parts.state.tree.large_list(), straddlers, large);
+    large::renew(parts);
+    large::arrange(parts, false);
+    enclose(parts, context);
     parts.state.tree.filled = filled;
     parts.state.step.kept += 1;
     Ok(())
@@ -108,10 +104,17 @@ fn rewrite_block<S: Simd, I: Index>(
     let (Some(cells), Some(frames)) = (cells.get(..leaves.len()), frames.get(..leaves.len())) else {
         return 0;
     };
+    let (lists, [alone]) = lists.as_chunks_mut::<2>() else { return 0 };
     let mut left = 0;
-    let words = boxes.chunks(32).zip(homes.chunks(32)).zip(places.chunks(32)).zip(moved);
-    for (word, (((boxes, homes), places), _)) in words.enumerate().filter(|(_, (_, moved))| **moved != 0) {
-        for (index, ((bounds, home), place)) in (32 * word..).zip(boxes.iter().zip(homes).zip(places)) {
+    let words = boxes.chunks(32).zip(homes.chunks_mut(32)).zip(places.chunks(32)).zip(moved);
+    // From the last one on, so that lists are in ascending order.
+    for (word, (((boxes, homes), places), _)) in
+        words.enumerate().rev().filter(|(_, (_, moved))| **moved != 0)
+    {
+        let at = 32 * word;
+        // Noted for all of them first, since who leaves is hard to predict.
+        let mut leavers = 0u32;
+        for (bit, ((bounds, home), place)) in boxes.iter().zip(&*homes).zip(places).enumerate() {
             let mut stays = bounds.is_empty() && *home == I::NONE;
             if let (Some(cell), Some(frame), Some(leaf)) =
                 (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
@@ -119,39 +122,37 @@ fn rewrite_block<S: Simd, I: Index>(
                 let keys = simd.keys(bounds);
                 let classified = cell.classify(simd, keys);
                 // Also of one that leaves: a hole will be there.
-                let record = simd.record(frame, keys, (first + index) as u32 | classified.marks());
+                let record = simd.record(frame, keys, (first + at + bit) as u32 | classified.marks());
                 records.store(leaf.start as usize + place.at(), &record);
                 stays = classified.is_member() && !bounds.is_empty();
             }
-            // Written always, kept or not, so that nothing depends on a guess of the branch predictor.
-            next.put(left as usize, I::from_slot(index as u32));
-            left += u32::from(!stays);
+            leavers |= u32::from(!stays) << bit;
         }
-    }
-    let (lists, [alone]) = lists.as_chunks_mut::<2>() else { return left };
-    // The last one first: its place by slot is not before the one that it has now.
-    for at in (0..left).rev() {
-        let index = next.at(at as usize).at();
-        let (bounds, home) = (boxes.at(index), homes.at(index));
-        if let (Some(leaf), Some([_, hole])) = (leaves.get(home.at()), lists.get_mut(home.at())) {
-            let record = Record { tag: Record::HOLE | *hole, ..Record::NOTHING };
-            *hole = places.at(index).slot() + 1;
-            records.store((leaf.start + *hole - 1) as usize, &record);
-            homes.put(index, I::NONE);
-        }
-        let goal = leaf_of(splits, &bounds.min);
-        let is_large = cells.at(goal).classify(simd, simd.keys(&bounds)).is_large();
-        if home == I::LARGE && is_large && !bounds.is_empty() {
-            continue;
-        }
-        let list = match lists.get_mut(goal) {
-            Some([comers, _]) if home != I::LARGE && !is_large && !bounds.is_empty() => {
-                homes.put(index, I::from_slot(goal as u32));
-                comers
+        while let Some(bit) = leavers.checked_ilog2() {
+            leavers &= !(1 << bit);
+            let bit = bit as usize;
+            let (bounds, home) = (KeyBox::of(boxes, bit), homes.at(bit));
+            let goal = leaf_of(splits, &bounds.min);
+            let is_large = cells.at(goal).classify(simd, simd.keys(bounds)).is_large();
+            if home == I::LARGE && is_large && !bounds.is_empty() {
+                continue;
             }
-            _ => &mut *alone,
-        };
-        next.put(index, I::from_slot(core::mem::replace(list, (first + index) as u32 + 1)));
+            left += 1;
+            if let (Some(leaf), Some([_, hole])) = (leaves.get(home.at()), lists.get_mut(home.at())) {
+                let record = Record { tag: Record::HOLE | *hole, ..Record::NOTHING };
+                *hole = places.at(bit).slot() + 1;
+                records.store((leaf.start + *hole - 1) as usize, &record);
+                homes.put(bit, I::NONE);
+            }
+            let list = match lists.get_mut(goal) {
+                Some([comers, _]) if home != I::LARGE && !is_large && !bounds.is_empty() => {
+                    homes.put(bit, I::from_slot(goal as u32));
+                    comers
+                }
+                _ => &mut *alone,
+            };
+            next.put(at + bit, I::from_slot(core::mem::replace(list, (first + at + bit) as u32 + 1)));
+        }
     }
     left
 }
@@ -177,6 +178,7 @@ fn settle<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool 
     let mut alone = 0;
     for mut link in rows().map(|row| row.at(2 * count)) {
         while let Some(slot) = link.checked_sub(1) {
+            // In ascending order: the place by slot is not before the one that it gets.
             link = parts.spare.at(slot as usize).slot();
             parts.spare.put(alone, I::from_slot(slot));
             alone += 1;

@@ -34,11 +34,12 @@ fn depth_for(large: u32) -> u8 {
     ((large + large / 8) / GROUP as u32 + 1).next_power_of_two().trailing_zeros() as u8
 }
 
-/// Whether the large objects and the boxes of their nodes fit behind the straddlers, and are few enough. Each
-/// is taken for as long as the world on half of the axes that planes are on.
-pub(crate) fn fit(straddlers: u64, large: u64, leaves: u32, live: u32, room: usize) -> bool {
-    let are_few = large << (leaves.max(1).ilog2() / 2) <= LARGE_PER_OBJECT * u64::from(live);
-    are_few && straddlers + large_nodes(depth_for(large as u32)) as u64 + large <= room as u64
+/// Whether so many large objects and the boxes of their nodes fit behind so many straddlers, and are few enough:
+/// each is taken for as long as the world on half of the axes that planes are on. A single leaf has none.
+pub(crate) fn fit<I: Index>(parts: &Parts<'_, I>, leaves: u32, straddlers: u64, large: u32) -> bool {
+    let (live, room) = (u64::from(parts.state.objects.live), parts.tree.straddlers.len() as u64);
+    let are_few = u64::from(large) << (leaves.max(1).ilog2() / 2) <= LARGE_PER_OBJECT * live;
+    leaves <= 1 || are_few && straddlers + large_nodes(depth_for(large)) as u64 + u64::from(large) <= room
 }
 
 /// Whether the list has room in its groups and in the array for so many objects.
@@ -202,40 +203,26 @@ pub(super) fn take<I: Index>(parts: &mut Parts<'_, I>, place: usize) {
     }
 }
 
-/// Gives so many large objects their place behind so many straddlers. The list comes along, if it is as long;
-/// returns whether it is.
-pub(super) fn seat<I: Index>(parts: &mut Parts<'_, I>, straddlers: u32, large: u32) -> bool {
+/// Gives so many large objects, from a place in the array on, their place behind so many straddlers.
+pub(super) fn seat<I: Index>(parts: &mut Parts<'_, I>, from: usize, straddlers: u32, large: u32) {
     let tree = &mut parts.state.tree;
-    let (from, is_as_long) = (tree.large_list(), tree.large == large);
     (tree.large_start, tree.large, tree.large_depth) = (straddlers, large, depth_for(large));
-    let to = tree.large_list();
-    let count = if is_as_long { large as usize } else { 0 };
+    let (to, count) = (tree.large_list(), large as usize);
     for index in 0..count {
         // From the end that is not written to yet.
         let index = if to > from { count - 1 - index } else { index };
         parts.tree.straddlers.put(to + index, parts.tree.straddlers.at(from + index));
     }
-    is_as_long
 }
 
-/// Gives the objects of the list their new boxes, if they are all large objects.
-pub(super) fn renew<I: Index>(parts: &mut Parts<'_, I>) -> bool {
-    let Parts { state, tree, boxes, home, place, .. } = &mut *parts;
-    let list = tree.straddlers.span_mut(state.tree.large_list(), state.tree.large as usize);
-    let is_there = |(at, straddler): (usize, &Straddler)| {
-        let slot = straddler.slot as usize;
-        home.get(slot) == Some(&I::LARGE) && place.get(slot).is_some_and(|place| place.at() == at)
-    };
-    if !list.iter().enumerate().all(is_there) {
-        return false;
-    }
-    for straddler in list {
-        let bounds = boxes.swept().at(straddler.slot as usize);
-        let changed = u32::from(bounds != straddler.bounds);
-        state.tree.large_changed = state.tree.large_changed.saturating_add(changed);
+/// Gives the objects of the list their new boxes.
+pub(super) fn renew<I: Index>(parts: &mut Parts<'_, I>) {
+    let tree = &mut parts.state.tree;
+    for straddler in parts.tree.straddlers.span_mut(tree.large_list(), tree.large as usize) {
+        let bounds = parts.boxes.swept().at(straddler.slot as usize);
+        tree.large_changed = tree.large_changed.saturating_add(u32::from(bounds != straddler.bounds));
         straddler.bounds = bounds;
     }
-    true
 }
 
 /// Whether the list is to be ordered anew, after some changes.
@@ -243,10 +230,10 @@ pub(crate) const fn is_due(tree: &TreeState) -> bool {
     tree.large as usize > GROUP && tree.large_changed / CHANGES > tree.large
 }
 
-/// Brings the list into order if it is not `listed` or that is due, and makes the boxes of the nodes. O(n log
-/// n) if it is due, else O(n).
-pub(crate) fn arrange<I: Index>(parts: &mut Parts<'_, I>, listed: bool) {
-    if !listed || is_due(&parts.state.tree) {
+/// Brings the list into order, `anew` or if that is due, and makes the boxes of the nodes. O(n log n), or O(n)
+/// if it is not due.
+pub(crate) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool) {
+    if anew || is_due(&parts.state.tree) {
         order(parts);
     }
     enclose(parts);

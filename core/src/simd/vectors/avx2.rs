@@ -2,6 +2,7 @@
 
 use super::operations::{Halves, Vectors, kept, operations, proven};
 use super::sse41::Sse41;
+use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 use core::arch::x86_64::*;
 
@@ -114,6 +115,8 @@ impl Halves for Avx2 {
     proven! {
         split(a) -> [__m128i; 2] = [_mm256_castsi256_si128(a), _mm256_extracti128_si256::<1>(a)];
         joined(first: __m128i, last: __m128i) = _mm256_set_m128i(last, first);
+        halved(sides) = _mm256_permutevar8x32_epi32(sides, _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6));
+        six(mask) -> u32 = _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32;
         bits8(mask) -> u32 = _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32;
         zeros64(a) -> u32 = {
             let zeros = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
@@ -123,6 +126,14 @@ impl Halves for Avx2 {
             let kept = _mm256_cvtepu8_epi32(_mm_loadl_epi64(KEPT[mask as usize & 15].as_ptr().cast()));
             _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(a, kept));
         };
+    }
+
+    /// Behind them stands zero.
+    #[inline(always)]
+    fn sides(self, bounds: &KeyBox) -> __m256i {
+        let keys: &[i32; 6] = bytemuck::cast_ref(bounds);
+        // SAFETY: `self` proves AVX2; the mask keeps the read inside the 24 bytes.
+        unsafe { _mm256_maskload_epi32(keys.as_ptr(), _mm256_setr_epi32(-1, -1, -1, -1, -1, -1, 0, 0)) }
     }
 
     #[inline(always)]

@@ -63,11 +63,8 @@ impl<W: Halves> Simd for Level<W> {
     }
 
     operations! { |this|
-        keys(bounds: &KeyBox) -> W::Vector = {
-            let [first, last] = ends(bounds);
-            this.0.pick(first, last)
-        };
-        above(a: W::Vector, b: W::Vector) -> u32 = this.0.bits8(this.0.above32(a, b));
+        keys(bounds: &KeyBox) -> W::Vector = this.0.sides(bounds);
+        above(a: W::Vector, b: W::Vector) -> u32 = this.0.six(this.0.above32(a, b));
         axis(axis: usize) -> [HalfOf<W>; 2] =
             [high_bytes(this.0, row_lanes(axis)), high_bytes(this.0, query_lanes(axis))];
         window(rows: &[Row; WINDOW], count: usize, query: W::Vector) -> u64 = this.0.window(rows, count, query);
@@ -293,10 +290,9 @@ impl<W: Halves> Simd for Level<W> {
     fn record(self, frame: &Frame, keys: W::Vector, tag: u32) -> Record {
         let (w, h) = (self.0, self.0.half());
         // The first three numbers of their rows.
-        let sides = w.shuffle(keys, w.pick(&places([0, 1, 2, 3]), &places([1, 2, 3, 0])));
         let [[origin, _], [scale, _]]: [&[[u8; 16]; 2]; 2] =
             [&frame.origin, &frame.scale].map(bytemuck::cast_ref);
-        let at = w.multiply(w.subtract(w.floats(sides), w.both(origin)), w.both(scale));
+        let at = w.multiply(w.subtract(w.floats(w.halved(keys)), w.both(origin)), w.both(scale));
         let [minima, maxima] = w.split(at);
         let lanes = h.shuffle(h.steps16(minima, maxima), h.load(&SIX_LANES));
         // Maxima are complemented. The tag's place is zero.

@@ -167,6 +167,12 @@ pub(crate) trait Halves: Vectors {
         self.pick(bytes, bytes)
     }
 
+    /// The six keys of a box, in an order of the instruction set.
+    fn sides(self, bounds: &KeyBox) -> Self::Vector;
+    /// In another order: the minima in the first three words of the first half, the maxima in the last half.
+    fn halved(self, sides: Self::Vector) -> Self::Vector;
+    /// The bits of a mask of six such lanes, as in [`Simd::above`](crate::simd::Simd::above).
+    fn six(self, mask: Self::Vector) -> u32;
     /// A bit for each lane of a mask of 32 bits.
     fn bits8(self, mask: Self::Vector) -> u32;
     /// Whether lanes of 64 bits are zero, a bit each.

@@ -1,7 +1,8 @@
 //! Vectors of two registers.
 
 use super::fours;
-use super::operations::{Half, HalfOf, Halves, Vectors, of_vectors, operations};
+use super::operations::{Half, HalfOf, Halves, Vectors, ends, of_vectors, operations, places};
+use crate::geometry::key::KeyBox;
 use crate::simd::{Row, WINDOW};
 
 /// Vectors of two registers of an instruction set.
@@ -57,6 +58,8 @@ impl<V: Half> Halves for Twice<V> {
 
     operations! { |this|
         half() -> V = this.0;
+        halved(sides) = (sides.0, this.0.shuffle(sides.1, this.0.load(&places([1, 2, 3, 0]))));
+        six(mask) -> u32 = this.0.bits4(mask.0) | this.0.bits4(mask.1) << 2;
         bits8(mask) -> u32 = this.0.bits4(mask.0) | this.0.bits4(mask.1) << 4;
         zeros64(a) -> u32 = this.0.bits4(this.0.equal32(this.0.join16(a.0, a.1), this.0.splat(0)));
     }
@@ -64,6 +67,13 @@ impl<V: Half> Halves for Twice<V> {
     operations! {
         split(a) -> [HalfOf<Self>; 2] = a.into();
         joined(first: HalfOf<Self>, last: HalfOf<Self>) = (first, last);
+    }
+
+    /// The first four and the last four: two of them twice, so no lane is empty.
+    #[inline(always)]
+    fn sides(self, bounds: &KeyBox) -> Self::Vector {
+        let [first, last] = ends(bounds);
+        self.pick(first, last)
     }
 
     #[inline(always)]
