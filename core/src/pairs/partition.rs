@@ -8,8 +8,6 @@ use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::{StepContext, within};
 use crate::simd::kernels::run;
 use crate::simd::{Simd, call};
-use arrayvec::ArrayVec;
-use core::ops::Range;
 
 #[derive(Clone, Copy)]
 pub(crate) enum Test<'b, I> {
@@ -60,37 +58,25 @@ pub(crate) fn partition_within<I: Index>(
         front.fill(to_front(pairs));
     };
     within(context.workers, blocks, work, run);
-    let (border, mut late): (usize, _) = (fronts.iter().sum(), 0..0);
+    let border: usize = fronts.iter().sum();
     let starts = || (0..).map(|block| block * len).take_while(|start| *start < count).zip(&fronts);
     let mut all_late = starts().map(|(start, front)| border.max(start)..start + front);
-    // Runs of one length that change places. Each two use up what a block has on the wrong side.
-    let mut exchanged = ArrayVec::<_, PAIR_BLOCKS>::new();
     let (front, back) = pairs.split_at_mut_checked(border).unwrap_or_default();
-    let (mut front, mut back) = ((front, 0), (back, border));
+    let mut late = 0..0;
     for (start, passing) in starts() {
-        let mut early = start + passing..(start + len).min(border);
+        let mut early = start + passing..border.min(start + len);
         while !early.is_empty() {
             while late.is_empty() {
-                late = all_late.next().unwrap_or(usize::MAX - len..usize::MAX);
+                late = all_late.next().unwrap_or(border..usize::MAX);
             }
-            let len = late.len().min(early.len());
-            let _ = exchanged.try_push([cut(&mut front, &mut early, len), cut(&mut back, &mut late, len)]);
+            // Runs of one length change places.
+            let run = late.len().min(early.len());
+            let others = back.span_mut(late.start - border, run);
+            front.span_mut(early.start, run).iter_mut().zip(others).for_each(|(a, b)| core::mem::swap(a, b));
+            (early.start, late.start) = (early.start + run, late.start + run);
         }
     }
-    context.each(Chunks::new(&mut exchanged, 1), |_, exchanged| {
-        for [early, late] in exchanged {
-            early.iter_mut().zip(&mut **late).for_each(|(early, late)| core::mem::swap(early, late));
-        }
-    });
     border
-}
-
-/// Cuts the first `len` items of a range out of the rest of a list, which starts at `from`.
-fn cut<'p, T>((rest, from): &mut (&'p mut [T], usize), range: &mut Range<usize>, len: usize) -> &'p mut [T] {
-    let _ = rest.split_off_mut(..range.start - *from);
-    range.start += len;
-    *from = range.start;
-    rest.split_off_mut(..len).unwrap_or_default()
 }
 
 /// Brings the pairs of one block that pass a test to the front and returns how many there are. The first pair

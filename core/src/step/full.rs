@@ -72,7 +72,7 @@ pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool, context: S
     executor.enter(Stage::Build);
     let was_subdivided = merge(parts);
     balance::plan(parts.state);
-    let refined = balance::refine(parts);
+    let refined = balance::refine(&mut parts.state.tree);
     if anew {
         plant(&mut parts.tree, &mut parts.state.tree);
     }

@@ -141,7 +141,7 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &KeyBox, context:
     for count in parts.tree.histogram.iter_mut().take(SLOT_BLOCKS * row).skip(leaves).step_by(row) {
         large += core::mem::replace(count, large);
     }
-    if !large::fit(parts, parts.state.tree.count, 0, large) {
+    if !large::fit(parts, 0, large) {
         return false;
     }
     parts.state.tree.extent = *extent;
@@ -149,7 +149,7 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &KeyBox, context:
     let list = parts.tree.straddlers.len() - large as usize;
     scatter(parts, leaves, list, context);
     let straddlers = number_straddlers(parts, context);
-    if !large::fit(parts, parts.state.tree.count, straddlers.into(), large) {
+    if !large::fit(parts, straddlers, large) {
         return false;
     }
     large::seat(parts, list, straddlers, large);

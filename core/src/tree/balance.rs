@@ -6,7 +6,7 @@ use super::build::{as_slots, divide};
 use super::cells::Sample;
 use super::limits::{CROWDED_SHARE, GHOSTS_SHARE, HEAVY, HEAVY_STEPS, PATIENCE};
 use super::shape::join;
-use super::{large, most, planned};
+use super::{most, planned};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -159,19 +159,13 @@ pub(crate) fn plan(state: &mut State) {
     state.tree.depth = state.tree.depth.min(depth_for(live + live / 8, target)).max(depth_for(live, target));
 }
 
-/// Plans leaves of the usual size again, if there were too many ghosts for that and by now there are fewer.
-/// Returns whether all must be counted anew.
-pub(crate) fn refine<I: Index>(parts: &mut Parts<'_, I>) -> bool {
-    let TreeState { coarser, wait, large, large_start, count, .. } = parts.state.tree;
-    if coarser == 0 || wait > 0 {
-        return false;
+/// Now and then plans leaves of half the size again, where there were too many ghosts for that. Returns whether
+/// all must be counted anew.
+pub(crate) fn refine(state: &mut TreeState) -> bool {
+    let tries = state.coarser > 0 && state.wait == 0;
+    if tries {
+        state.coarser -= 1;
+        put_off(state);
     }
-    // Twice as many leaves have at most about twice as many ghosts.
-    let [straddlers, leaves] = [large_start, count].map(|n| u64::from(n) << coarser.min(31));
-    if !large::fit(parts, leaves as u32, straddlers, large) {
-        return false;
-    }
-    parts.state.tree.coarser = 0;
-    put_off(&mut parts.state.tree);
-    true
+    tries
 }

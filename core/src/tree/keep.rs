@@ -13,7 +13,6 @@ use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, histogram_row};
 use crate::memory::slab::Parts;
-use crate::memory::state::TreeState;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::{Shared, SharedSlots};
@@ -41,8 +40,8 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
         return Err(left);
     }
     let straddlers = number_straddlers(parts, context);
-    let TreeState { large, count, .. } = parts.state.tree;
-    if !large::fit(parts, count, straddlers.into(), large) {
+    let large = parts.state.tree.large;
+    if !large::fit(parts, straddlers, large) {
         return Err(left);
     }
     large::seat(parts, parts.state.tree.large_list(), straddlers, large);

@@ -36,10 +36,11 @@ fn depth_for(large: u32) -> u8 {
 
 /// Whether so many large objects and the boxes of their nodes fit behind so many straddlers, and are few enough:
 /// each is taken for as long as the world on half of the axes that planes are on. A single leaf has none.
-pub(crate) fn fit<I: Index>(parts: &Parts<'_, I>, leaves: u32, straddlers: u64, large: u32) -> bool {
+pub(crate) fn fit<I: Index>(parts: &Parts<'_, I>, straddlers: u32, large: u32) -> bool {
     let (live, room) = (u64::from(parts.state.objects.live), parts.tree.straddlers.len() as u64);
-    let are_few = u64::from(large) << (leaves.max(1).ilog2() / 2) <= LARGE_PER_OBJECT * live;
-    leaves <= 1 || are_few && straddlers + large_nodes(depth_for(large)) as u64 + u64::from(large) <= room
+    let (leaves, each) = (parts.state.tree.count.max(1), u64::from(large));
+    let are_few = each << (leaves.ilog2() / 2) <= LARGE_PER_OBJECT * live;
+    leaves == 1 || are_few && u64::from(straddlers) + large_nodes(depth_for(large)) as u64 + each <= room
 }
 
 /// Whether the list has room in its groups and in the array for so many objects.
