@@ -161,11 +161,9 @@ pub(crate) mod bits {
         words.at(bit / 32) >> (bit % 32) & 1 != 0
     }
 
-    /// Sets the bit and tells whether it was clear.
-    pub(crate) fn set(words: &mut [u32], bit: usize) -> bool {
+    pub(crate) fn set(words: &mut [u32], bit: usize) {
         let word = words.at(bit / 32);
         words.put(bit / 32, word | 1 << (bit % 32));
-        word >> (bit % 32) & 1 == 0
     }
 
     pub(crate) fn clear(words: &mut [u32], bit: usize) {

@@ -62,7 +62,8 @@ impl<'m, T: Pod> Section<'m, T> for &'m mut [T] {
 impl<'m> Section<'m, u32> for SlotSet<'m> {
     fn of(memory: &'m mut [u32]) -> Self {
         let groups = if TREE { memory.len().div_ceil(33) } else { 0 };
-        Self::from(memory.split_at_mut_checked(memory.len() - groups).unwrap_or_default())
+        let (words, groups) = memory.split_at_mut_checked(memory.len() - groups).unwrap_or_default();
+        Self { words, groups }
     }
 
     fn items(&self) -> [&[u32]; 2] {

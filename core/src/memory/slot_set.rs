@@ -13,13 +13,7 @@ pub(crate) struct SlotSet<'m> {
     /// One bit a slot.
     pub(crate) words: &'m mut [u32],
     /// One bit for each word, set if the word has bits: 1,024 slots without members are passed over at once.
-    pub(super) groups: &'m mut [u32],
-}
-
-impl<'m> From<(&'m mut [u32], &'m mut [u32])> for SlotSet<'m> {
-    fn from((words, groups): (&'m mut [u32], &'m mut [u32])) -> Self {
-        Self { words, groups }
-    }
+    pub(crate) groups: &'m mut [u32],
 }
 
 impl<'m> SlotSet<'m> {

@@ -7,6 +7,7 @@ use crate::geometry::key::{KeyBox, POSITIVE_INFINITY};
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
+use crate::memory::slot_set::SlotSet;
 use crate::objects::Objects;
 use crate::objects::margins::FatBoxes;
 use crate::parallel::block_queue::Chunks;
@@ -67,9 +68,8 @@ fn ingest_blocks<I: Index>(
     (slots, regrows): (usize, bool),
     context: StepContext<'_>,
 ) -> [Intake; SLOT_BLOCKS] {
-    let (unkept, len) = (parts.state.pairs.before_unknown != 0, block_len(slots));
+    let len = block_len(slots);
     let Objects { now, given, fat: all, mut moved, mut changed, before, resting, .. } = parts.objects();
-    let before = if unkept { &mut [] } else { before };
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (
         (Chunks::new(now.span_mut(0, slots), len), Chunks::optional(given, len)),
@@ -82,7 +82,7 @@ fn ingest_blocks<I: Index>(
         let first = block * len;
         let margins = all.margins.get(first..).unwrap_or_default();
         let fat = FatBoxes { boxes: fat, margins, regrows, ..all };
-        let (moved, changed) = (moved.into(), changed.into());
+        let [moved, changed] = [moved, changed].map(|(words, groups)| SlotSet { words, groups });
         let resting = resting.get(first / 32..).unwrap_or_default();
         let objects = Objects { now, cut: &mut [], given, fat, moved, changed, before, resting };
         found.fill(ingest_block(context.kernels, first, bounds, objects));

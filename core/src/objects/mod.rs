@@ -29,12 +29,6 @@ pub(crate) struct Objects<'o> {
 }
 
 impl<I: Index> Parts<'_, I> {
-    /// Whether fat boxes are predicted, and whether each new box gets a new one: in worlds with a tree.
-    pub(crate) fn fat_boxes(&self) -> (bool, bool) {
-        let may = !self.sizes.is_small();
-        (may && self.config().predicted, may && self.state.step.renews != 0)
-    }
-
     /// In a step: whether a box has changed inside its fat box since the last complete one.
     pub(crate) fn any_stays(&self) -> bool {
         TREE && self.changed.count() > self.moved.count()
@@ -63,7 +57,8 @@ impl<I: Index> Parts<'_, I> {
     /// The arrays of all slots, to change some.
     pub(crate) fn objects(&mut self) -> Objects<'_> {
         self.state.objects.dirty = 1;
-        let (predicted, renews) = self.fat_boxes();
+        let has_tree = !self.sizes.is_small();
+        let (predicted, renews) = (self.config().predicted, has_tree && self.state.step.renews != 0);
         let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
         let (margins, reports_margins) = (&*self.boxes.margins, reports_margins(&self.sizes.config));
         let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, regrows: false, outran: 0 };
@@ -104,15 +99,13 @@ impl Objects<'_> {
     /// A new object. It counts as moved once (erratum E6), and as overlapping nothing before. If another
     /// object had the slot in the last step, its pairs are lost in any case.
     pub(crate) fn insert(&mut self, at: usize, bounds: KeyBox) {
+        self.anchor(at, bounds);
         if EVENTS
             && TREE
             && let Some(before) = self.before.get_mut(at)
         {
             *before = KeyBox::EMPTY;
         }
-        self.place(at, bounds);
-        self.moved.set(at);
-        self.changed.set(at);
     }
 
     /// A new box, given by itself.
