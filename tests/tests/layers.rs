@@ -195,18 +195,18 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1114),
+    ("", 1112),
     ("geometry", 1059),
-    ("memory", 1778),
-    ("objects", 639),
-    ("pairs", 667),
+    ("memory", 1773),
+    ("objects", 632),
+    ("pairs", 653),
     ("parallel", 498),
     ("query", 1156),
-    ("simd", 1806),
+    ("simd", 1832),
     ("snapshot", 598),
-    ("step", 736),
+    ("step", 739),
     ("sweep", 1362),
-    ("tree", 2138),
+    ("tree", 2103),
     ("validate", 376),
     ("world", 1569),
 ];

@@ -174,7 +174,7 @@ fn try_on<I: Index>(parts: &mut Parts<'_, I>) {
     if steps == 0 {
         (parts.state.step.age, parts.state.step.spent) = (parts.state.objects.slots, 0);
     }
-    let ((predicted, ..), sweeps_margins) = (parts.fat_boxes(), sweeps_margins(parts.config()));
+    let (predicted, sweeps_margins) = (parts.config().predicted, sweeps_margins(parts.config()));
     let BoxParts { now, fat, given, margins, tight, .. } = &mut parts.boxes;
     let left = estimate(parts.state.step.age as usize, |&slot| {
         let (now, old) = (now.at(slot), fat.at(slot));
