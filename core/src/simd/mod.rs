@@ -53,6 +53,17 @@ pub(crate) struct Tested {
     pub(crate) tied: usize,
 }
 
+/// As [`Simd::overlaps`], one pair after another.
+#[inline(always)]
+fn each_overlap<S: Simd, I: Index>(simd: S, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
+    let mut bits = 0;
+    for (bit, pair) in pairs.iter().enumerate() {
+        let overlap = simd.overlap(KeyBox::of(boxes, pair[0].at()), KeyBox::of(boxes, pair[1].at()));
+        bits |= usize::from(overlap) << bit;
+    }
+    bits
+}
+
 /// The operations of one instruction set. A value of the type is the proof that the CPU has it.
 pub(crate) trait Simd: Copy + Send + Sync {
     /// The six keys of a box, three minima and three maxima.
@@ -67,8 +78,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Whether it encodes four boxes at a time: see [`encode_four`](Self::encode_four).
     const ENCODES_FOUR: bool = false;
 
-    /// Whether it tests some candidates at once: see [`any_four`](Self::any_four).
-    const TESTS_ANY_FOUR: bool = false;
+    /// Whether it tests some pairs at once: see [`overlaps`](Self::overlaps).
+    const TESTS_SOME_PAIRS: bool = false;
 
     /// Calls a closure that is compiled for this level: see [`call!`].
     #[inline(never)]
@@ -120,12 +131,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Which of some pairs of slots have overlapping boxes: a bit each of at most [`PAIRS_TOGETHER`].
     #[inline(always)]
     fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
-        let mut bits = 0;
-        for (bit, pair) in pairs.iter().enumerate() {
-            let overlap = self.overlap(KeyBox::of(boxes, pair[0].at()), KeyBox::of(boxes, pair[1].at()));
-            bits |= usize::from(overlap) << bit;
-        }
-        bits
+        each_overlap(self, boxes, pairs)
     }
 
     /// Prepares the rows of a sweep along an axis.
@@ -178,7 +184,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
         let Tested { mut found, mut tied } = Tested::default();
         let (mut from, mut one_by_one) = (0, 0);
         while from < candidates.len() {
-            if Self::TESTS_ANY_FOUR && from >= one_by_one {
+            if Self::TESTS_SOME_PAIRS && from >= one_by_one {
                 one_by_one = from + 4;
                 // No closures: they would not share the instruction set of their function.
                 if let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk())

@@ -81,6 +81,7 @@ impl Vectors for Avx2 {
         equal16(a, b) = _mm256_cmpeq_epi16(a, b);
         equal32(a, b) = _mm256_cmpeq_epi32(a, b);
         excess16(a, b) = _mm256_subs_epu16(a, b);
+        join8(a, b) = _mm256_packs_epi16(a, b);
         join16(a, b) = _mm256_packs_epi32(a, b);
         zip_first16(a, b) = _mm256_unpacklo_epi16(a, b);
         zip_last16(a, b) = _mm256_unpackhi_epi16(a, b);

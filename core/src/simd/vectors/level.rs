@@ -5,12 +5,13 @@ use super::encode::{
 };
 use super::fours::{HALVES, keep, limit, pick};
 use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, ends, operations, places};
+use super::overlaps::eight_overlap;
 use crate::geometry::boxes::Boxes;
 use crate::geometry::key::{AHEAD, AROUND, KeyBox, KeyFour, POSITIVE_INFINITY, SHORTEST};
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
-use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, query_lanes, row_lanes};
+use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, each_overlap, query_lanes, row_lanes};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Level<W>(W);
@@ -55,7 +56,7 @@ impl<W: Halves> Simd for Level<W> {
 
     const ENCODES_FOUR: bool = true;
 
-    const TESTS_ANY_FOUR: bool = W::TESTS_ANY_FOUR;
+    const TESTS_SOME_PAIRS: bool = W::TESTS_SOME_PAIRS;
 
     #[inline(always)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
@@ -146,6 +147,28 @@ impl<W: Halves> Simd for Level<W> {
         let (minima, maxima) = (w.pick(a_min, b_min), w.pick(b_max, a_max));
         let maxima = w.shuffle(maxima, w.both(&places([1, 2, 3, 0])));
         !w.any_of_three(w.above32(minima, maxima))
+    }
+
+    #[inline(always)]
+    fn overlaps<I: Index>(self, boxes: &[KeyBox], pairs: &[Pair<I>]) -> usize {
+        let (eights, rest) = pairs.as_chunks();
+        // Boxes are read with what is behind them, which the last one has not. Asked once for all pairs,
+        // since a branch for each eight takes half as long again as the tests.
+        let mut most = 0;
+        if W::TESTS_SOME_PAIRS {
+            for slot in eights.as_flattened().as_flattened() {
+                most = most.max(slot.slot());
+            }
+        }
+        if !W::TESTS_SOME_PAIRS || most as usize + 1 >= boxes.len() {
+            return each_overlap(self, boxes, pairs);
+        }
+        let mut bits = 0;
+        for (index, eight) in eights.iter().enumerate() {
+            // SAFETY: behind the box of each slot there is another one.
+            bits |= (unsafe { eight_overlap(self.0, boxes, eight) } as usize) << (8 * index);
+        }
+        if rest.is_empty() { bits } else { bits | each_overlap(self, boxes, rest) << (8 * eights.len()) }
     }
 
     #[inline(always)]

@@ -10,6 +10,7 @@ mod level;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod operations;
+mod overlaps;
 #[cfg(target_arch = "wasm32")]
 mod simd128;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -35,6 +35,7 @@ impl Vectors for Neon {
         equal16(a, b) = vreinterpretq_u8_u16(vceqq_u16(shorts(a), shorts(b)));
         equal32(a, b) = vreinterpretq_u8_u32(vceqq_u32(words(a), words(b)));
         excess16(a, b) = vreinterpretq_u8_u16(vqsubq_u16(shorts(a), shorts(b)));
+        join8(a, b) = vpmaxq_u8(a, b);
         join16(a, b) = vreinterpretq_u8_u16(vpmaxq_u16(shorts(a), shorts(b)));
         zip_first16(a, b) = vreinterpretq_u8_u16(vzip1q_u16(shorts(a), shorts(b)));
         zip_last16(a, b) = vreinterpretq_u8_u16(vzip2q_u16(shorts(a), shorts(b)));

@@ -18,6 +18,8 @@ macro_rules! of_vectors {
             equal32(a, b);
             /// How much `a` exceeds `b`, or zero.
             excess16(a, b);
+            /// A lane of 8 bits for each two lanes of `a` and then of `b`: zero where both are.
+            join8(a, b);
             /// A lane of 16 bits for each two lanes of `a` and then of `b`: zero where both are.
             join16(a, b);
             /// The first lanes, one of `a` and one of `b` in turn.
@@ -74,8 +76,8 @@ pub(crate) trait Vectors: Copy + Send + Sync {
         Self::GUARANTEED
     }
 
-    /// As [`Simd::TESTS_ANY_FOUR`](crate::simd::Simd::TESTS_ANY_FOUR). It takes more code.
-    const TESTS_ANY_FOUR: bool = true;
+    /// Whether pairs are tested four at a time. It takes more code.
+    const TESTS_SOME_PAIRS: bool = true;
 
     /// A vector in registers, the first byte lowest.
     type Vector: Copy;

@@ -50,6 +50,7 @@ impl Vectors for Sse41 {
         equal32(a, b) = _mm_cmpeq_epi32(a, b);
         excess16(a, b) = _mm_subs_epu16(a, b);
         // Zero only where both are: saturation keeps every other number above zero.
+        join8(a, b) = _mm_packs_epi16(a, b);
         join16(a, b) = _mm_packs_epi32(a, b);
         zip_first16(a, b) = _mm_unpacklo_epi16(a, b);
         zip_last16(a, b) = _mm_unpackhi_epi16(a, b);

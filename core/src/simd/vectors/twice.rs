@@ -32,7 +32,7 @@ impl<V: Half> Vectors for Twice<V> {
         V::detect().map(Self)
     }
 
-    const TESTS_ANY_FOUR: bool = V::TESTS_ANY_FOUR;
+    const TESTS_SOME_PAIRS: bool = V::TESTS_SOME_PAIRS;
 
     type Vector = (V::Vector, V::Vector);
 
