@@ -5,7 +5,7 @@ use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair};
 use crate::memory::limits::{PAIR_BLOCKS, PAIRS_PER_BLOCK, PAIRS_TOGETHER};
 use crate::parallel::block_queue::Chunks;
-use crate::parallel::context::{StepContext, within};
+use crate::parallel::context::StepContext;
 use crate::simd::kernels::run;
 use crate::simd::{Simd, call};
 
@@ -33,31 +33,12 @@ pub(crate) fn partition<I: Index>(
     pairs: &mut [Pair<I>],
     test: Test<'_, I>,
 ) -> usize {
-    partition_within(context, pairs, &|_, _| (), Some(test), &mut |blocks, job| context.run(blocks, job))
-}
-
-/// The same in a job of the caller's: see [`within`]. There `make` writes the pairs of each block first, and is
-/// told where it starts. Without a test all pass.
-pub(crate) fn partition_within<I: Index>(
-    context: StepContext<'_>,
-    pairs: &mut [Pair<I>],
-    make: &(dyn Fn(&mut [Pair<I>], usize) + Sync),
-    test: Option<Test<'_, I>>,
-    run: &mut dyn FnMut(usize, &(dyn Fn() + Sync)),
-) -> usize {
-    let to_front = |pairs: &mut [Pair<I>]| match test {
-        Some(test) => run!(context.kernels, |simd| to_front(simd, pairs, test)),
-        None => pairs.len(),
-    };
     let count = pairs.len();
     let len = count.div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
     let mut fronts = [0; PAIR_BLOCKS];
-    let blocks = (Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1));
-    let work = |block, (pairs, front): (&mut [_], &mut [_])| {
-        make(pairs, block * len);
-        front.fill(to_front(pairs));
-    };
-    within(context.workers, blocks, work, run);
+    context.each((Chunks::new(&mut *pairs, len), Chunks::new(&mut fronts, 1)), |_, (pairs, front)| {
+        front.fill(run!(context.kernels, |simd| to_front(simd, pairs, test)));
+    });
     let border: usize = fronts.iter().sum();
     let starts = || (0..).map(|block| block * len).take_while(|start| *start < count).zip(&fronts);
     let mut all_late = starts().map(|(start, front)| border.max(start)..start + front);

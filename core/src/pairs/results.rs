@@ -10,43 +10,19 @@ use crate::access::{Access, bits};
 use crate::config::{EVENTS, FILTERS, TREE};
 use crate::id::{Index, Pair};
 use crate::memory::slab::{BoxParts, Parts};
-use crate::memory::state::{PairState, State};
+use crate::memory::state::PairState;
 use crate::pairs::met;
-use crate::pairs::partition::Test::{self, ClearOf, Ended, Holds, Overlap};
+use crate::pairs::partition::Test::{ClearOf, Ended, Holds, Overlap};
 use crate::pairs::partition::{is_clear_of, partition};
 use crate::pairs::persistent::{exchange, set_aside};
 use crate::parallel::context::StepContext;
 use crate::sort::heapsort;
 
-/// What a step has found.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Swept {
-    /// Pairs, whether they fit or not.
-    pub(crate) pairs: u64,
-    /// How many of the new ones pass the first one of the [tests], and are in front.
-    pub(crate) passing: usize,
-    /// How many pairs of the last result are lost, if that is known, and are in front.
-    pub(crate) lost: Option<usize>,
-}
-
-/// What new pairs are divided by: first overlaps of boxes as they are reported from surplus, if there may be
-/// any; then persisting pairs from found ones, with events. The first one that there is comes with the sweep.
-pub(crate) fn tests<'b, I>(
-    boxes: &'b BoxParts<'_>,
-    reused: &'b [u32],
-    state: &State,
-) -> [Option<Test<'b, I>>; 2] {
-    let persists = if state.pairs.before_unknown != 0 { ClearOf(reused) } else { Overlap(boxes.before) };
-    let surplus = boxes.are_fat().then_some(Overlap(boxes.now));
-    [surplus, (EVENTS && !boxes.before.is_empty()).then_some(persists)]
-}
-
-/// Orders the pairs of the buffer, parked ones aside: persisting, found, surplus. Finds the lost ones, if they
-/// are not in front already. Kept pairs are looked at only if a box has moved inside its fat box: where such a
-/// pair stands tells whether it overlapped before. Events need complete pairs: a part does not tell what is
+/// Orders the pairs of the buffer, of which there are so many if they fit, parked ones aside: persisting, found,
+/// surplus. Finds the lost ones. Kept pairs are looked at only if a box has moved inside its fat box: where such
+/// a pair stands tells whether it overlapped before. Events need complete pairs: a part does not tell what is
 /// lost.
-pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context: StepContext<'_>) {
-    let Swept { pairs, passing, lost } = found;
+pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, pairs: u64, context: StepContext<'_>) {
     let (room, complete) = (parts.output.pairs.len(), pairs <= parts.output.pairs.len() as u64);
     let swept = (pairs as usize).min(room);
     parts.state.pairs.swept = swept as u64;
@@ -72,17 +48,22 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, found: Swept, context
     }
     let pairs = parts.output.pairs.span_mut(parked, front - parked);
     let new = pairs.span_mut(kept - parked, front - kept);
-    let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
-    let result = if surplus.is_some() { passing } else { new.len() };
+    let BoxParts { now, before, .. } = &parts.boxes;
+    // Overlaps of fat boxes alone are surplus.
+    let result = if parts.boxes.are_fat() { partition(context, new, Overlap(now)) } else { new.len() };
     let mut persisting = result;
     (parts.state.pairs.found, parts.state.pairs.lost) = (0, 0);
     if events && complete {
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
-        persisting = surplus.and(persists).map_or(passing, |test| partition(context, new, test));
-        let ended = ended(&parts.boxes, parts.state);
-        let lost = if by_pairs { Some(0) } else { lost };
-        let mut lost = lost.unwrap_or_else(|| partition(context, previous, ended));
+        persisting = partition(
+            context,
+            new,
+            if by_pairs { ClearOf(parts.former.reused.words) } else { Overlap(before) },
+        );
+        // If slots may have new objects, the pair may not have overlapped before.
+        let before: &[_] = if parts.state.objects.has_inserted != 0 { before } else { &[] };
+        let mut lost = if by_pairs { 0 } else { partition(context, previous, Ended { now, before }) };
         let previous = previous.span_mut(lost, previous.len() - lost);
         if by_pairs || FILTERS && parts.filters.changed.count() > 0 {
             // Or if the filters no longer let it through.
@@ -128,13 +109,6 @@ fn sort_out_small<I: Index>(parts: &mut Parts<'_, I>, swept: usize, complete: bo
     }
     let found = swept - persisting;
     (state.pairs.reported, state.pairs.found, state.pairs.lost) = (swept as u64, found as u64, lost as u64);
-}
-
-/// A pair is lost if its boxes overlapped before and do not now. If slots may have new objects, the pair may
-/// not have overlapped then.
-pub(crate) fn ended<'b, I>(boxes: &'b BoxParts<'_>, state: &State) -> Test<'b, I> {
-    let before = if state.objects.has_inserted != 0 { &*boxes.before } else { &[] };
-    Ended { now: boxes.now, before }
 }
 
 /// Before pairs are looked for: forgets who came in the step before, and brings `before` up to date for

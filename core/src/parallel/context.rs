@@ -17,27 +17,12 @@ pub(crate) struct StepContext<'e> {
 impl StepContext<'_> {
     /// Works on each part once. Workers share the parts if there are enough.
     pub(crate) fn each<P: Parted>(self, parts: P, work: impl Fn(usize, P::Part) + Sync) {
-        let workers = (self.executor.workers() as usize).min(self.workers);
-        within(workers, parts, work, &mut |blocks, job| self.run(blocks, job));
+        let queue = BlockQueue::new(parts, (self.executor.workers() as usize).min(self.workers));
+        executor::run(self.executor, self.workers, queue.count(), &|| {
+            let mut share = queue.arrive();
+            while let Some((index, part)) = queue.claim_from(&mut share) {
+                work(index, part);
+            }
+        });
     }
-
-    pub(crate) fn run(self, blocks: usize, job: &(dyn Fn() + Sync)) {
-        executor::run(self.executor, self.workers, blocks, job);
-    }
-}
-
-/// The same in a job of the caller's, who is given the number of parts, and what each worker is to do.
-pub(crate) fn within<P: Parted>(
-    workers: usize,
-    parts: P,
-    work: impl Fn(usize, P::Part) + Sync,
-    run: &mut dyn FnMut(usize, &(dyn Fn() + Sync)),
-) {
-    let queue = BlockQueue::new(parts, workers);
-    run(queue.count(), &|| {
-        let mut share = queue.arrive();
-        while let Some((index, part)) = queue.claim_from(&mut share) {
-            work(index, part);
-        }
-    });
 }

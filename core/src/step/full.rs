@@ -3,13 +3,10 @@
 
 use crate::access::Access;
 use crate::id::Index;
-use crate::memory::scratch::Work;
 use crate::memory::slab::{OutputParts, Parts};
 use crate::memory::stats::{Path, Route};
 use crate::pairs::pair_filter::PairFilter;
-use crate::pairs::partition::partition_within;
 use crate::pairs::persistent;
-use crate::pairs::results::{Swept, ended, tests};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::simd::kernels::run;
@@ -26,7 +23,7 @@ pub(super) fn full<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, Swept) {
+) -> (Route, u64) {
     let anew = route.path == Path::Rebuilt;
     let kept = (route.path == Path::MoversByLeaf).then(|| persistent::persistent(parts, context));
     if kept.is_none() {
@@ -40,28 +37,22 @@ pub(super) fn full<I: Index>(
     let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
     let codes = parts.spare.span_mut(0, parts.state.objects.slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
-    let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
-    let OutputParts { pairs, previous, staged, chunks, scratch } = &mut parts.output;
-    // Lost pairs of a step that keeps none are told by boxes alone, while workers wait for the last leaves.
-    let previous = previous.span_mut(0, if kept.is_none() { parts.state.pairs.previous as usize } else { 0 });
-    let (ended, sizes) = (ended(&parts.boxes, parts.state), &parts.sizes);
+    let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;
     let end = pairs.len() - parts.state.pairs.surplus_parked as usize;
     let pairs = pairs.span_mut(0, end);
+    let sizes = &parts.sizes;
     let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, from, blocks: 0 };
-    let (mut pairs, mut work) = (0, Work::default());
-    let lost = partition_within(context, previous, &|_, _| (), Some(ended), &mut |_, other| {
-        (pairs, work) = collector.collect(context, leaves as usize, other, &|leaf, scratch, sink| {
-            run!(context.kernels, |simd| sweep_leaf(simd, &tree_view, leaf, &kinds, scratch, sink));
-        });
+    let (pairs, work) = collector.collect(context, leaves as usize, &|leaf, scratch, sink| {
+        run!(context.kernels, |simd| sweep_leaf(simd, &tree_view, leaf, &kinds, scratch, sink));
     });
     context.executor.enter(Stage::Results);
-    let passing = collector.merge(context, pairs, surplus.or(persists));
+    collector.merge(context, pairs);
     if kept.is_none() {
         balance::weigh(parts.state, work.candidates.saturating_sub(pairs), work.copies);
     }
     let rebalanced = if anew { parts.state.objects.live } else { rebalanced };
     parts.state.step.did(work, leaves, rebalanced);
-    (route, Swept { pairs, passing, lost: kept.is_none().then_some(lost) })
+    (route, pairs)
 }
 
 /// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole

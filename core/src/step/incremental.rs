@@ -7,7 +7,6 @@ use crate::memory::limits::MOVERS_PER_BLOCK;
 use crate::memory::slab::{OutputParts, Parts};
 use crate::pairs::pair_filter::PairFilter;
 use crate::pairs::persistent;
-use crate::pairs::results::{Swept, tests};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor::Stage;
 use crate::simd::kernels::run;
@@ -20,7 +19,7 @@ use crate::tree::relocate::{order_movers, relocate_all, thirds};
 
 /// Moves the records of moved objects and tests them. Returns what it has found; `None` if a leaf
 /// had no room.
-pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<Swept> {
+pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<u64> {
     let moved = relocate(parts, context)?;
     let count = order_movers(parts, moved);
     let from = persistent::persistent(parts, context);
@@ -33,12 +32,11 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
     let moved = &*parts.moved.words;
     let tree_view = TreeView::new(&parts.state.tree, parts.boxes.swept(), &parts.tree);
     let pair_filter = PairFilter::new(&parts.filters, context.rule);
-    let [surplus, persists] = tests(&parts.boxes, parts.former.reused.words, parts.state);
     let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;
     let end = pairs.len() - parts.state.pairs.surplus_parked as usize;
     let (pairs, blocks, sizes) = (pairs.span_mut(0, end), count.div_ceil(per_block), &parts.sizes);
     let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, from, blocks: 0 };
-    let (pairs, work) = collector.collect(context, blocks, &|| (), &|block, scratch, sink| {
+    let (pairs, work) = collector.collect(context, blocks, &|block, scratch, sink| {
         let start = block * per_block;
         let len = per_block.min(count - start);
         let movers = (movers.span(start, len), homes.span(start, len));
@@ -46,9 +44,9 @@ pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_
         run!(context.kernels, |simd| sweep_movers(simd, &tree_view, moved, movers, filters, scratch, sink));
     });
     context.executor.enter(Stage::Results);
-    let passing = collector.merge(context, pairs, surplus.or(persists));
+    collector.merge(context, pairs);
     parts.state.step.did(work, leaves, 0);
-    Some(Swept { pairs, passing, lost: None })
+    Some(pairs)
 }
 
 /// Moves the records of moved objects, which are in the scratch memory then. Returns how many they are;

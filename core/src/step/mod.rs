@@ -12,35 +12,32 @@ use crate::memory::scratch::Work;
 use crate::memory::slab::Parts;
 use crate::memory::stats::{Path, Reason, Route};
 use crate::pairs::persistent;
-use crate::pairs::results::Swept;
 use crate::parallel::context::StepContext;
 use crate::tree::balance;
 use crate::tree::keep::LEAVERS_SHARE;
 
 /// Finds the overlaps. The path may turn out to be impossible; then a full step follows. Returns the path
-/// that was used, and what was found.
+/// that was used, and how many overlaps there are, whether they fit or not.
 pub(crate) fn find<I: Index>(
     parts: &mut Parts<'_, I>,
     route: Route,
     context: StepContext<'_>,
-) -> (Route, Swept) {
+) -> (Route, u64) {
     parts.state.pairs.unkept = 0;
-    let all = |pairs| (route, Swept { pairs, ..Swept::default() });
-    let (route, mut found) = match route.path {
-        _ if parts.sizes.is_small() => all(lists::small(parts, context)),
+    let (route, pairs) = match route.path {
+        _ if parts.sizes.is_small() => (route, lists::small(parts, context)),
         // Without fat boxes nothing is left to do.
         Path::Unchanged => {
             parts.state.step.did(Work::default(), parts.state.leaves(), 0);
-            all(persistent::persistent(parts, context))
+            (route, persistent::persistent(parts, context))
         }
         Path::Movers => match incremental::movers(parts, context) {
-            Some(swept) => (route, swept),
+            Some(pairs) => (route, pairs),
             None => full::full(parts, policy::anew(parts, Reason::NoRoom), context),
         },
         Path::Lists | Path::MoversByLeaf | Path::Full | Path::Rebuilt => full::full(parts, route, context),
     };
-    found.pairs += u64::from(parts.state.pairs.surplus_parked);
-    (route, found)
+    (route, pairs + u64::from(parts.state.pairs.surplus_parked))
 }
 
 /// Brings the tree up to date, without a look for pairs: moves the records of moved objects, or fills all

@@ -14,10 +14,9 @@ use crate::access::Access;
 use crate::geometry::record::Record;
 use crate::id::{Index, Pair};
 use crate::memory::layout::Sizes;
-use crate::memory::limits::CHUNK;
+use crate::memory::limits::{CHUNK, PAIR_BLOCKS, PAIRS_PER_BLOCK};
 use crate::memory::scratch::{self, Scratch, Work};
 use crate::pairs::pair_filter::PairFilter;
-use crate::pairs::partition::{Test, partition_within};
 use crate::parallel::block_queue::{BlockQueue, Chunks};
 use crate::parallel::context::StepContext;
 use crate::parallel::executor;
@@ -103,13 +102,11 @@ pub(crate) struct Collector<'o, I> {
 }
 
 impl<I: Index> Collector<'_, I> {
-    /// Does all blocks of work, and the small blocks of some `other` work. The pairs are then to be
-    /// [merged](Self::merge).
+    /// Does all blocks of work. The pairs are then to be [merged](Self::merge).
     pub(crate) fn collect(
         &mut self,
         context: StepContext<'_>,
         blocks: usize,
-        other: &(dyn Fn() + Sync),
         work: &BlockWork<'_, I>,
     ) -> (u64, Work) {
         let area = scratch::records::<I>(self.sizes.bucket);
@@ -117,10 +114,9 @@ impl<I: Index> Collector<'_, I> {
         let countable = self.pairs.len() <= i32::MAX as usize;
         let may_share = executor::THREADS && context.executor.workers() > 1;
         let shared = may_share && blocks > 1 && countable && !self.staged.is_empty();
-        let count = if shared { self.in_parallel(context, blocks, other, work) } else { None };
+        let count = if shared { self.in_parallel(context, blocks, work) } else { None };
         self.blocks = if count.is_some() { blocks } else { 0 };
         let count = count.unwrap_or_else(|| {
-            other();
             let room = self.pairs.get_mut(self.from as usize..).unwrap_or_default();
             let mut sink = Sink { pair_filter: self.pair_filter, room, count: self.from, staging: None };
             let area = self.scratch.get_mut(..area).unwrap_or_default();
@@ -137,7 +133,6 @@ impl<I: Index> Collector<'_, I> {
         &mut self,
         context: StepContext<'_>,
         blocks: usize,
-        other: &(dyn Fn() + Sync),
         work: &BlockWork<'_, I>,
     ) -> Option<u64> {
         let Self { staged, chunks, scratch, sizes, pair_filter, .. } = self;
@@ -149,12 +144,7 @@ impl<I: Index> Collector<'_, I> {
         let queue = BlockQueue::new((Chunks::new(firsts, CHUNK), Chunks::new(entries, 1)), 1);
         let chunks = BlockQueue::new((Chunks::new(others, CHUNK), Chunks::new(more, 1)), 1);
         let areas = BlockQueue::new(Chunks::new(scratch, area), 1);
-        // Where workers get few blocks, some wait for the last ones. Else this comes first: its boxes are cached.
-        let fills_gaps = blocks < 4 * areas.count();
         executor::run(context.executor, areas.count(), blocks, &|| {
-            if !fills_gaps {
-                other();
-            }
             // A call that finds none leaves the work to calls that have one, which go on to the end.
             let Some((_, area)) = areas.claim_from(&mut 0) else { return };
             let mut scratch = Scratch::carve(area, sizes.bucket);
@@ -170,7 +160,6 @@ impl<I: Index> Collector<'_, I> {
                 }
             }
             scratch.finish();
-            other();
         });
         if full.load(Relaxed) {
             // All blocks will be swept once more: nothing must count twice.
@@ -191,17 +180,18 @@ impl<I: Index> Collector<'_, I> {
         Some(self.from + u64::from(count))
     }
 
-    /// Brings the pairs that pass a test to the front of those of the sweep, which are all pairs but the first
-    /// ones, and returns how many pass. Those in chunks are copied first, in the order of their blocks.
-    pub(crate) fn merge(&mut self, context: StepContext<'_>, pairs: u64, test: Option<Test<'_, I>>) -> usize {
+    /// Copies the pairs in chunks to their places, behind the first ones, in the order of their blocks.
+    pub(crate) fn merge(&mut self, context: StepContext<'_>, pairs: u64) {
         let (chunks, ends, staged) = (&*self.chunks, self.chunks.span(0, self.blocks), &*self.staged);
         let room = self.pairs.get_mut(self.from as usize..).unwrap_or_default();
-        let fitting = (pairs - self.from).min(room.len() as u64) as usize;
-        let copy = |mut room: &mut [Pair<I>], mut skip: usize| {
+        let fitting = if ends.is_empty() { 0 } else { (pairs - self.from).min(room.len() as u64) as usize };
+        let len = fitting.div_ceil(PAIR_BLOCKS).max(PAIRS_PER_BLOCK);
+        context.each(Chunks::new(room.span_mut(0, fitting), len), |block, mut room| {
+            let mut skip = block * len;
             let first = ends.partition_point(|[end, ..]| *end as usize <= skip);
             skip -= ends.span(0, first).last().map_or(0, |[end, ..]| *end as usize);
             let (mut block, mut chunk) = (first, first);
-            while !ends.is_empty() && !room.is_empty() {
+            while !room.is_empty() {
                 let [_, next, len] = chunks.at(chunk).map(|number| number as usize);
                 let (skipped, count) = (skip.min(len), room.len().min(len - skip.min(len)));
                 let (now, later) = room.split_at_mut_checked(count).unwrap_or_default();
@@ -209,9 +199,6 @@ impl<I: Index> Collector<'_, I> {
                 block += usize::from(next == 0);
                 (room, skip, chunk) = (later, skip - skipped, if next == 0 { block } else { next });
             }
-        };
-        partition_within(context, room.span_mut(0, fitting), &copy, test, &mut |blocks, job| {
-            context.run(blocks, job)
-        })
+        });
     }
 }

@@ -144,18 +144,18 @@ impl<I: Index> World<'_, I> {
         }
         results::remember(parts);
         let room = parts.output.pairs.len() as u64;
-        let (mut route, mut found) = step::find(parts, route, context);
-        if found.pairs > room && parts.boxes.are_fat() {
+        let (mut route, mut pairs) = step::find(parts, route, context);
+        if pairs > room && parts.boxes.are_fat() {
             // Without surplus they may fit. Fat boxes are left unused for a while.
             policy::pause(parts);
             let all = policy::choose(parts, parts.state.objects.live);
-            (route, found) = step::find(parts, all, context);
+            (route, pairs) = step::find(parts, all, context);
             route.reason = Reason::NoRoomForSurplus;
         }
         parts.state.step.record(moved, parts.state.objects.outran, route, shared);
         context.executor.enter(Stage::Results);
-        results::sort_out(parts, found, context);
-        found.pairs
+        results::sort_out(parts, pairs, context);
+        pairs
     }
 
     /// Takes in the caller's boxes, if there are any (paper, section III.B.1). Returns which were refused.
