@@ -227,9 +227,11 @@ impl KeyBox {
 
     /// The largest side; infinite if the box is unbounded.
     pub(crate) fn largest_extent(&self) -> f32 {
-        let extent = |k: usize| length(self.min[k], self.max[k]);
-        // The length of [inf, inf] is NaN, which `max` ignores.
-        extent(0).max(extent(1)).max(extent(2)).max(0.0)
+        let extents = [0, 1, 2].map(|k| value(self.max[k]) - value(self.min[k]));
+        // The length of [inf, inf] is NaN, which is above nothing.
+        flushed(
+            extents.into_iter().fold(0.0, |largest, extent| if extent > largest { extent } else { largest }),
+        )
     }
 
     /// Whether `f32` can hardly tell the box's sides apart so far from the origin: a side is shorter than

@@ -8,7 +8,7 @@ use crate::simd::{EIGHT, MAXIMA, MINIMA, Simd};
 use bytemuck::{Pod, Zeroable};
 
 /// The cell of a leaf: the half-open box of the minimum corners that are at home there. Sides without bounds
-/// are `i32::MIN` and `i32::MAX`.
+/// are `i32::MIN` and [`Cell::RIM`].
 ///
 /// Its numbers are stored as two boxes, since two comparisons of six keys each tell all about a box.
 #[repr(C)]
@@ -21,7 +21,10 @@ pub(crate) struct Cell {
 }
 
 impl Cell {
-    pub(crate) const ALL: Self = Self::new([i32::MIN; 3], [i32::MAX; 3], [i32::MAX; 3]);
+    /// Beyond all boxes, but not beyond empty ones, which are at home in no cell.
+    pub(crate) const RIM: i32 = POSITIVE_INFINITY + 1;
+
+    pub(crate) const ALL: Self = Self::new([i32::MIN; 3], [Self::RIM; 3], [Self::RIM; 3]);
 
     /// Holds nothing.
     pub(crate) const NOWHERE: Self = Self::new([i32::MAX; 3], [i32::MIN; 3], [i32::MAX; 3]);

@@ -113,10 +113,12 @@ impl Objects<'_> {
         let Some(now) = self.now.get_mut(at).filter(|now| !now.is_empty()) else {
             return self.hide(at, bounds);
         };
-        let ([margin], fat) = (self.fat.margins(at), self.fat.boxes.get(at));
         // Far too wide. No predicted box is at first. What is reported follows from boxes alone.
-        let around = fat.filter(|_| !MARGINS || self.given.is_empty()).unwrap_or(now);
-        if (MARGINS || TREE) && around.largest_extent() > 16.0 * (bounds.largest_extent() + margin) {
+        let around = if MARGINS && !self.given.is_empty() { Some(&*now) } else { self.fat.boxes.get(at) };
+        let [margin] = self.fat.margins(at);
+        if let Some(around) = around
+            && around.largest_extent() > 16.0 * (bounds.largest_extent() + margin)
+        {
             return self.anchor(at, bounds);
         }
         let before =

@@ -208,7 +208,8 @@ impl<I: Index> Search for OnLine<'_, '_, I> {
             let first = next.saturating_add(ahead);
             next = first.saturating_add(1);
             let from = f32::from_bits(first & !PART);
-            if from.is_nan() || from > crossing.until {
+            let is_met = from <= crossing.until;
+            if !is_met {
                 return ControlFlow::Continue(());
             }
             let leaf = (whole << sub_levels) + (first & PART) as usize;

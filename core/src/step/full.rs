@@ -57,6 +57,8 @@ pub(super) fn full<I: Index>(
 
 /// Fills all leaves; if some are too full, after new planes for these, or `anew` after those of the whole
 /// tree. Returns how many objects got new planes otherwise.
+// Its stack frame does not stand below the sweep's.
+#[inline(never)]
 pub(super) fn arrange<I: Index>(parts: &mut Parts<'_, I>, anew: bool, context: StepContext<'_>) -> u32 {
     let executor = context.executor;
     let was_filled = parts.state.tree.filled != 0;

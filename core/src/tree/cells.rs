@@ -117,8 +117,8 @@ pub(crate) fn cut(nodes: Nodes<'_>, extent: &KeyBox, cells: &mut [Cell], context
             let reach = FAR * length(part.min[k], part.max[k]);
             // Beside a flat cell no box is large.
             far[k] = match far[k] {
-                i32::MAX => i32::MAX,
-                _ if reach <= 0.0 => i32::MAX,
+                Cell::RIM => Cell::RIM,
+                _ if reach <= 0.0 => Cell::RIM,
                 high => key((value(high) + reach).min(f32::MAX)) + 1,
             };
         }

@@ -114,8 +114,8 @@ fn rewrite_block<S: Simd, I: Index>(
         // Noted for all of them first, since who leaves is hard to predict.
         let mut leavers = 0u32;
         for (bit, ((bounds, home), place)) in boxes.iter().zip(&*homes).zip(places).enumerate() {
-            let mut stays = bounds.is_empty() && *home == I::NONE;
-            if let (Some(cell), Some(frame), Some(leaf)) =
+            // An empty box is at home nowhere.
+            let stays = if let (Some(cell), Some(frame), Some(leaf)) =
                 (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
             {
                 let keys = simd.keys(bounds);
@@ -123,8 +123,10 @@ fn rewrite_block<S: Simd, I: Index>(
                 // Also of one that leaves: a hole will be there.
                 let record = simd.record(frame, keys, (first + at + bit) as u32 | classified.marks());
                 records.store(leaf.start as usize + place.at(), &record);
-                stays = classified.is_member() && !bounds.is_empty();
-            }
+                classified.is_member()
+            } else {
+                bounds.is_empty() && *home == I::NONE
+            };
             leavers |= u32::from(!stays) << bit;
         }
         while let Some(bit) = leavers.checked_ilog2() {

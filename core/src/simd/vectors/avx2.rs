@@ -117,6 +117,12 @@ impl Halves for Avx2 {
         split(a) -> [__m128i; 2] = [_mm256_castsi256_si128(a), _mm256_extracti128_si256::<1>(a)];
         joined(first: __m128i, last: __m128i) = _mm256_set_m128i(last, first);
         halved(sides) = _mm256_permutevar8x32_epi32(sides, _mm256_setr_epi32(0, 1, 2, 6, 3, 4, 5, 6));
+        opposed(boxes: [&[u8; 32]; 2]) -> [__m256i; 2] = {
+            let [a, b] = boxes.map(|bytes| _mm256_loadu_si256(bytes.as_ptr().cast()));
+            let a = _mm256_permutevar8x32_epi32(a, _mm256_setr_epi32(0, 1, 2, 7, 3, 4, 5, 7));
+            let b = _mm256_permutevar8x32_epi32(b, _mm256_setr_epi32(3, 4, 5, 7, 0, 1, 2, 7));
+            [_mm256_blend_epi32::<0xf0>(a, b), _mm256_blend_epi32::<0xf0>(b, a)]
+        };
         six(mask) -> u32 = _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32;
         bits8(mask) -> u32 = _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32;
         zeros64(a) -> u32 = {

@@ -171,6 +171,9 @@ pub(crate) trait Halves: Vectors {
 
     /// The six keys of a box, in an order of the instruction set.
     fn sides(self, bounds: &KeyBox) -> Self::Vector;
+    /// The minima of two boxes, a half each, and the maxima of the other one, by the bytes from the start of
+    /// either on. The last word of a half means nothing.
+    fn opposed(self, boxes: [&[u8; 32]; 2]) -> [Self::Vector; 2];
     /// In another order: the minima in the first three words of the first half, the maxima in the last half.
     fn halved(self, sides: Self::Vector) -> Self::Vector;
     /// The bits of a mask of six such lanes, as in [`Simd::above`](crate::simd::Simd::above).

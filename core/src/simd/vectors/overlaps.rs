@@ -38,11 +38,9 @@ unsafe fn four_apart<W: Halves, I: Index>(w: W, boxes: &[KeyBox], [p, q, r, s]: 
 /// Behind the box of each slot there must be another one.
 #[inline(always)]
 unsafe fn apart<W: Halves, I: Index>(w: W, boxes: &[KeyBox], [a, b]: &Pair<I>) -> W::Vector {
-    // SAFETY: a box is 24 bytes, three minima and three maxima; 28 bytes from its start on are read, all of
-    // them in the slice, as the caller vouches.
-    unsafe {
-        let [a, b]: [*const u8; 2] = [boxes.as_ptr().add(a.at()).cast(), boxes.as_ptr().add(b.at()).cast()];
-        let minima = w.pick(&*a.cast(), &*b.cast());
-        w.above32(minima, w.pick(&*b.add(12).cast(), &*a.add(12).cast()))
-    }
+    // SAFETY: a box is 24 bytes; 32 bytes from its start on are read, all of them in the slice, as the caller
+    // vouches.
+    let boxes = unsafe { [a, b].map(|slot| &*boxes.as_ptr().add(slot.at()).cast()) };
+    let [minima, maxima] = w.opposed(boxes);
+    w.above32(minima, maxima)
 }

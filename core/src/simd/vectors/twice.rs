@@ -77,6 +77,12 @@ impl<V: Half> Halves for Twice<V> {
     }
 
     #[inline(always)]
+    fn opposed(self, [a, b]: [&[u8; 32]; 2]) -> [Self::Vector; 2] {
+        let from = |at, bytes: &[u8; 32]| self.0.load(bytes.split_at(at).1.first_chunk().unwrap_or(&[0; 16]));
+        [(from(0, a), from(0, b)), (from(12, b), from(12, a))]
+    }
+
+    #[inline(always)]
     fn window(self, rows: &[Row; WINDOW], count: usize, (query, _): Self::Vector) -> u64 {
         let v = self.0;
         let rows: &[[[u8; 16]; 4]; 4] = bytemuck::cast_ref(rows);
