@@ -199,7 +199,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("geometry", 1061),
     ("memory", 1776),
     ("objects", 634),
-    ("pairs", 608),
+    ("pairs", 605),
     ("parallel", 483),
     ("query", 1157),
     ("simd", 1928),

@@ -56,11 +56,8 @@ pub(crate) fn sort_out<I: Index>(parts: &mut Parts<'_, I>, pairs: u64, context: 
     if events && complete {
         let previous = parts.output.previous.span_mut(0, parts.state.pairs.previous as usize);
         let new = new.span_mut(0, result);
-        persisting = partition(
-            context,
-            new,
-            if by_pairs { ClearOf(parts.former.reused.words) } else { Overlap(before) },
-        );
+        let test = if by_pairs { ClearOf(parts.former.reused.words) } else { Overlap(before) };
+        persisting = partition(context, new, test);
         // If slots may have new objects, the pair may not have overlapped before.
         let before: &[_] = if parts.state.objects.has_inserted != 0 { before } else { &[] };
         let mut lost = if by_pairs { 0 } else { partition(context, previous, Ended { now, before }) };
