@@ -27,7 +27,7 @@ git -C "$folder" ls-files -z | (cd "$folder" && tar --null -cf - -T -) | tar -xf
 export RUSTFLAGS="--cap-lints=warn -Awarnings"
 while true; do
     "$tool" switch "$out/list.json" "$folder" "$tree" "$unviable"
-    (cd "$tree" && cargo check --quiet -p trisap-core --message-format=json --target-dir "$out/check" 2>/dev/null || true) >"$out/messages"
+    (cd "$tree" && cargo check --quiet -p trisap-core --features validate --message-format=json --target-dir "$out/check" 2>/dev/null || true) >"$out/messages"
     said="$("$tool" blame "$tree" "$unviable" <"$out/messages")"
     [ "$said" != "0 do not compile" ] || break
     echo "$said"

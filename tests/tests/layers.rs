@@ -206,7 +206,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("snapshot", 598),
     ("step", 727),
     ("sweep", 1349),
-    ("tree", 2105),
+    ("tree", 2109),
     ("validate", 376),
     ("world", 1569),
 ];

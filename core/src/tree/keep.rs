@@ -8,7 +8,7 @@
 use super::enclose::{enclose, number_straddlers};
 use super::relocate::relocate_all;
 use super::{Cell, Frame, Leaf, Record, Split, large, leaf_of};
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{SLOT_BLOCKS, histogram_row};
@@ -89,7 +89,7 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
     left.iter().sum()
 }
 
-/// The same for some consecutive slots, from a first one on. Where none of 32 has moved, nothing is to be written.
+/// The same for some consecutive slots, from a first one on, and of moved objects alone.
 #[inline(always)]
 fn rewrite_block<S: Simd, I: Index>(
     simd: S,
@@ -107,13 +107,17 @@ fn rewrite_block<S: Simd, I: Index>(
     let mut left = 0;
     let words = boxes.chunks(32).zip(homes.chunks_mut(32)).zip(places.chunks(32)).zip(moved);
     // From the last one on, so that lists are in ascending order.
-    for (word, (((boxes, homes), places), _)) in
-        words.enumerate().rev().filter(|(_, (_, moved))| **moved != 0)
-    {
+    for (word, (((boxes, homes), places), moved)) in words.enumerate().rev() {
         let at = 32 * word;
         // Noted for all of them first, since who leaves is hard to predict.
         let mut leavers = 0u32;
-        for (bit, ((bounds, home), place)) in boxes.iter().zip(&*homes).zip(places).enumerate() {
+        let len = boxes.len();
+        let (Some(held), Some(places)) = (homes.get(..len), places.get(..len)) else { return left };
+        for bit in bits::of_word(*moved) {
+            let (Some(bounds), Some(home), Some(place)) = (boxes.get(bit), held.get(bit), places.get(bit))
+            else {
+                break;
+            };
             // An empty box is at home nowhere.
             let stays = if let (Some(cell), Some(frame), Some(leaf)) =
                 (cells.get(home.at()), frames.get(home.at()), leaves.get(home.at()))
