@@ -97,8 +97,8 @@ stack() {
 }
 for board in "thumbv7em-none-eabihf Cortex-M4" "thumbv6m-none-eabi Cortex-M0"; do
     read -r target name <<<"$board"
-    stack "$boards/$target/release/calls" "$name | exact path" 2432 --sizes sizes.txt
-    stack "$boards/$target/release/around" "$name | around it" 3200 --sizes sizes.txt
+    stack "$boards/$target/release/calls" "$name | exact path" 1536 --sizes sizes.txt
+    stack "$boards/$target/release/around" "$name | around it" 2112 --sizes sizes.txt
 done
 "$tools/inspect" "$boards/riscv32imac-unknown-none-elf/release/around"
 # Nor does the tree panic, which is in no program for so few objects but by this feature; nor do filters, which need it, and
@@ -106,7 +106,7 @@ done
 build thumbv7em-none-eabihf --bin calls --bin around --features large
 large=$boards/thumbv7em-none-eabihf/release
 "$tools/inspect" "$large/calls"
-stack "$large/around" "Cortex-M4 | all, with the feature \`large\`" 10752
+stack "$large/around" "Cortex-M4 | all, with the feature \`large\`" 4544
 # Fixed point takes no soft-float; a margin does, which shows that the search finds it.
 calls=$boards/thumbv6m-none-eabi/release/calls
 "$tools/inspect" "$calls" --integers from_fixed

@@ -197,18 +197,18 @@ fn no_file_is_too_long() {
 const BUDGETS: [(&str, usize); 14] = [
     ("", 1112),
     ("geometry", 1061),
-    ("memory", 1776),
-    ("objects", 634),
+    ("memory", 1778),
+    ("objects", 632),
     ("pairs", 605),
     ("parallel", 483),
     ("query", 1157),
     ("simd", 1928),
     ("snapshot", 598),
-    ("step", 727),
-    ("sweep", 1349),
+    ("step", 728),
+    ("sweep", 1351),
     ("tree", 2109),
-    ("validate", 376),
-    ("world", 1569),
+    ("validate", 372),
+    ("world", 1570),
 ];
 
 #[test]

@@ -224,8 +224,7 @@ impl<'m, I: Index> Parts<'m, I> {
             slab.fill(0);
         }
         // Only the state decides how a slab is carved.
-        let state = State::new(config, size_of::<I>());
-        slab.span_mut(0, size_of::<State>()).copy_in(bytemuck::bytes_of(&state));
+        slab.span_mut(0, size_of::<State>()).copy_in(bytemuck::bytes_of(&State::new(config, size_of::<I>())));
         let mut parts = Self::carve(slab, sizes)?;
         parts.clear(!TREE);
         Ok(parts)
@@ -233,10 +232,16 @@ impl<'m, I: Index> Parts<'m, I> {
 
     /// Opens the world in a slab.
     pub(crate) fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
+        let sizes = Self::sizes_in(slab)?;
+        Self::carve(front(slab, sizes.bytes)?, sizes)
+    }
+
+    // Its stack frame does not stand below that of the parts.
+    #[inline(never)]
+    fn sizes_in(slab: &mut [u8]) -> Result<Sizes, Error> {
         let state = bytemuck::try_from_bytes::<State>(front(slab, size_of::<State>())?).ok();
         let config = state.and_then(|state| state.setup.config(size_of::<I>())).ok_or(Error::NotAWorld)?;
-        let sizes = Sizes::of::<I>(&config).map_err(|_| Error::NotAWorld)?;
-        Self::carve(front(slab, sizes.bytes)?, sizes)
+        Sizes::of::<I>(&config).map_err(|_| Error::NotAWorld)
     }
 
     /// What the world was made for.
@@ -249,9 +254,6 @@ impl<'m, I: Index> Parts<'m, I> {
 fn front(slab: &mut [u8], needed: usize) -> Result<&mut [u8], Error> {
     let given = slab.len();
     let slab = slab.get_mut(..needed).ok_or(Error::SlabTooSmall { needed, given })?;
-    if slab.as_ptr().align_offset(ALIGN) == 0 {
-        Ok(slab)
-    } else {
-        Err(Error::SlabMisaligned { align: ALIGN })
-    }
+    let is_aligned = slab.as_ptr().align_offset(ALIGN) == 0;
+    if is_aligned { Ok(slab) } else { Err(Error::SlabMisaligned { align: ALIGN }) }
 }

@@ -50,13 +50,7 @@ pub(crate) fn ingest<I: Index>(
         objects.fat.regrows = regrows;
         return ingest_block(context.kernels, 0, bounds, objects);
     }
-    let mut sum = Intake::default();
-    for intake in ingest_blocks(parts, bounds, (slots, regrows), context) {
-        sum.outran += intake.outran;
-        sum.first_rejected = sum.first_rejected.or(intake.first_rejected);
-        sum.rejected += intake.rejected;
-    }
-    sum
+    ingest_blocks(parts, bounds, (slots, regrows), context)
 }
 
 /// Takes in the first slots of a world with a tree, in blocks.
@@ -67,7 +61,7 @@ fn ingest_blocks<I: Index>(
     bounds: &Boxes<'_>,
     (slots, regrows): (usize, bool),
     context: StepContext<'_>,
-) -> [Intake; SLOT_BLOCKS] {
+) -> Intake {
     let len = block_len(slots);
     let Objects { now, given, fat: all, mut moved, mut changed, before, resting, .. } = parts.objects();
     let mut found = [Intake::default(); SLOT_BLOCKS];
@@ -87,7 +81,11 @@ fn ingest_blocks<I: Index>(
         let objects = Objects { now, cut: &mut [], given, fat, moved, changed, before, resting };
         found.fill(ingest_block(context.kernels, first, bounds, objects));
     });
-    found
+    found.iter().fold(Intake::default(), |sum, block| Intake {
+        outran: sum.outran + block.outran,
+        rejected: sum.rejected + block.rejected,
+        first_rejected: sum.first_rejected.or(block.first_rejected),
+    })
 }
 
 /// Takes in the boxes of some consecutive slots.

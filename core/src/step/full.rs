@@ -39,8 +39,7 @@ pub(super) fn full<I: Index>(
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
     let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;
     let end = pairs.len() - parts.state.pairs.surplus_parked as usize;
-    let pairs = pairs.span_mut(0, end);
-    let sizes = &parts.sizes;
+    let (pairs, sizes) = (pairs.span_mut(0, end), &parts.sizes);
     let mut collector = Collector { pairs, staged, chunks, scratch, sizes, pair_filter, from, blocks: 0 };
     let (pairs, work) = collector.collect(context, leaves as usize, &|leaf, scratch, sink| {
         run!(context.kernels, |simd| sweep_leaf(simd, &tree_view, leaf, &kinds, scratch, sink));

@@ -19,6 +19,8 @@ use crate::tree::relocate::{order_movers, relocate_all, thirds};
 
 /// Moves the records of moved objects and tests them. Returns what it has found; `None` if a leaf
 /// had no room.
+// Its stack frame does not stand below the sweep's.
+#[inline(never)]
 pub(super) fn movers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> Option<u64> {
     let moved = relocate(parts, context)?;
     let count = order_movers(parts, moved);

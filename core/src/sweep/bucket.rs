@@ -34,7 +34,8 @@ pub(super) fn sweep<const RUNS: usize, S: Simd, I: Index>(
     sink: &mut Sink<'_, I>,
 ) {
     let axis = axis.min(2);
-    let runs = sort::<RUNS, S, I>(simd, buckets, axis, leaf_scratch, part);
+    let mut runs = [0u16; RUNS];
+    sort(simd, buckets, axis, leaf_scratch, part, &mut runs);
     let ([ends, rest @ ..], _) = runs.as_chunks() else { return };
     let first = ends[255] as usize;
     let both = rest.first().map_or(first, |ends| ends[255] as usize);
@@ -59,7 +60,7 @@ pub(super) fn sweep<const RUNS: usize, S: Simd, I: Index>(
 }
 
 /// Sorts records into the scratch memory, the parts one behind the other, and records of no part behind both
-/// in any order. Returns where the runs of equal sort bytes end.
+/// in any order. Then `runs`, which are zero before, tell where the runs of equal sort bytes end.
 #[inline(always)]
 fn sort<const RUNS: usize, S: Simd, I>(
     simd: S,
@@ -67,8 +68,8 @@ fn sort<const RUNS: usize, S: Simd, I>(
     axis: usize,
     leaf_scratch: &mut LeafScratch<'_, I>,
     part: impl Fn(usize, &Record) -> usize,
-) -> [u16; RUNS] {
-    let mut runs = [0u16; RUNS];
+    runs: &mut [u16; RUNS],
+) {
     let run = |bucket: usize, record: &Record| {
         (part(bucket, record) << 8 | high(record.lanes[axis]) as usize).min(RUNS - 1)
     };
@@ -78,7 +79,7 @@ fn sort<const RUNS: usize, S: Simd, I>(
         }
     }
     let mut next = 0;
-    for end in &mut runs {
+    for end in &mut *runs {
         next += core::mem::replace(end, next);
     }
     // Each entry is now where its run starts, and will be where it ends.
@@ -98,7 +99,6 @@ fn sort<const RUNS: usize, S: Simd, I>(
             }
         }
     }
-    runs
 }
 
 /// The end of the last run that a record reaches, by where the runs of equal sort bytes end.

@@ -140,7 +140,9 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
         }
     }
     let (all, along) = ((|_, _: &_| 0, true), (swept.leaf.axis as usize, tree_view.boxes));
-    bucket::sweep::<{ bucket::WHOLE }, S, I>(simd, buckets, all, along, &mut scratch.leaf_scratch, sink);
+    // Its runs take no stack below tiles.
+    let leaf_scratch = &mut scratch.leaf_scratch;
+    call!(simd, bucket::sweep::<{ bucket::WHOLE }, S, I>(simd, buckets, all, along, leaf_scratch, sink));
 }
 
 /// Does the passes of a plan; if `across`, records of the first bucket meet records of the second alone.

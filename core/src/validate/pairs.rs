@@ -11,6 +11,7 @@ use crate::world::World;
 use core::ops::ControlFlow;
 
 /// Checks all of it.
+#[inline(never)]
 pub(super) fn pairs<I: Index>(world: &World<'_, I>) -> Result<(), Invalid> {
     let (parts, state) = (&world.parts, &*world.parts.state);
     let (swept, now, front) = (parts.boxes.swept(), &*parts.boxes.now, state.pairs.in_front());

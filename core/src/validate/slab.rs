@@ -8,22 +8,18 @@ use crate::memory::slab::Parts;
 use crate::memory::state::{State, slot};
 use crate::memory::stats::Path;
 use crate::pairs::met;
-use crate::snapshot::check::{Invalid, check};
+use crate::snapshot::check::{self, Invalid, check};
+use crate::snapshot::stored::Stored;
 use crate::tree::large;
 
-/// Slots that were never in use are as new.
-pub(super) fn unused<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+/// All that a snapshot has is right, and slots that were never in use are as new.
+#[inline(never)]
+pub(super) fn slots<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
+    check::all(&Stored::of(parts))?;
     let slots = parts.state.objects.slots as usize;
-    for set in [
-        &*parts.moved.words,
-        parts.settled.words,
-        parts.changed.words,
-        parts.outdated.words,
-        parts.filters.changed.words,
-        parts.resting,
-        parts.active,
-        parts.former.reused.words,
-    ] {
+    let Parts { moved, settled, changed, outdated, filters, former, resting, active, .. } = parts;
+    let sets = [moved, settled, changed, outdated, &filters.changed, &former.reused].map(|set| &*set.words);
+    for set in sets.into_iter().chain([&**resting, active]) {
         let words = set.get(bits::words(slots)..).unwrap_or_default();
         check(words.iter().all(|word| *word == 0), "a set has slots that there are not", slots)?;
     }
@@ -67,11 +63,11 @@ pub(super) fn lists<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
         && parts.moved.count() + parts.settled.count() == 0;
     let axis = parts.state.lists.axis as usize;
     let ascends = list.clone().is_sorted_by_key(|slot| (boxes.at(slot).min.at(axis), slot));
-    check(!swept || ascends, "the swept list is not in order", axis)?;
-    Ok(())
+    check(!swept || ascends, "the swept list is not in order", axis)
 }
 
 /// Checks all numbers of a state before any is used in an index, but for the numbers that a snapshot has.
+#[inline(never)]
 pub(super) fn numbers(state: &State, sizes: &Sizes) -> Result<(), Invalid> {
     let State { objects, lists, tree, pairs, step, .. } = state;
     let (parked, surplus, swept) = (u64::from(pairs.parked), u64::from(pairs.surplus_parked), pairs.swept);

@@ -44,12 +44,13 @@ impl<'m, I: Index> World<'m, I> {
     /// # Errors
     /// [`Error::NotAWorld`] where there is none of this index width, and the errors of `new_in`.
     pub fn open(slab: &'m mut [u8]) -> Result<Self, Error> {
-        let mut parts = Parts::open(slab)?;
-        if parts.state.stepping != 0 {
+        let mut parts = Parts::open(slab);
+        // Where they stand, as they take much stack to move.
+        if let Some(parts) = parts.as_mut().ok().filter(|parts| parts.state.stepping != 0) {
             parts.mend_boxes();
-            drop(Unfinished(&mut parts));
+            drop(Unfinished(parts));
         }
-        Ok(Self::of(parts))
+        parts.map(Self::of)
     }
 
     fn of(parts: Parts<'m, I>) -> Self {
