@@ -115,7 +115,7 @@ fn reach_of(record: &Record, axis: usize, ends: &[u16; 256]) -> usize {
 fn widen(sorted: &mut [Record], swept: usize, boxes: &[KeyBox]) {
     // Where the last of some begins and, complemented, where the first one ends, by all bytes of a record.
     let mut steps = [0u16; 8];
-    for record in sorted.iter().take(64) {
+    for record in sorted.iter().take(16) {
         let lanes: &[u16; 8] = bytemuck::cast_ref(record);
         (0..8).for_each(|k| steps[k] = steps[k].max(lanes[k]));
     }
