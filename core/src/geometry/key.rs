@@ -227,11 +227,10 @@ impl KeyBox {
 
     /// The largest side; infinite if the box is unbounded.
     pub(crate) fn largest_extent(&self) -> f32 {
-        let extents = [0, 1, 2].map(|k| value(self.max[k]) - value(self.min[k]));
-        // The length of [inf, inf] is NaN, which is above nothing.
-        flushed(
-            extents.into_iter().fold(0.0, |largest, extent| if extent > largest { extent } else { largest }),
-        )
+        let side = |k: usize| value(self.max[k]) - value(self.min[k]);
+        // The length of [inf, inf] is NaN, which is above nothing. Written out for the same reason.
+        let larger = |largest: f32, side: f32| if side > largest { side } else { largest };
+        flushed(larger(larger(larger(0.0, side(0)), side(1)), side(2)))
     }
 
     /// Whether `f32` can hardly tell the box's sides apart so far from the origin: a side is shorter than
