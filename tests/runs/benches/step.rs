@@ -186,8 +186,8 @@ fn crowd(criterion: &mut Criterion) {
         let mut world = fixture.world(&boxes, kernels);
         let slots = (0..CROWD as u32).step_by(CROWD / RESTLESS);
         let ids: Vec<Id> = slots.filter_map(|slot| world.id_at(slot)).collect();
-        for id in &ids {
-            world.set_margin(*id, margin).expect("a living object");
+        if config.margin.is_some() {
+            ids.iter().for_each(|id| world.set_margin(*id, margin).expect("a living object"));
         }
         for (name, motion) in MOTIONS {
             let mut random = Random(13);
