@@ -1,6 +1,6 @@
 //! Disabled objects keep what they have, and are in no pair and in no answer.
 
-use trisap_core::{Aabb, Boxes, Cast, Config, Filter, Id, Index, Margin, Mode, Region};
+use trisap_core::{Aabb, Boxes, Cast, Config, Filter, Id, Index, Kernels, Margin, Mode, Path, Region};
 use trisap_tests::checked::Checked;
 use trisap_tests::jobs::Jobs;
 use trisap_tests::queries::{ask_cast, ask_nearest, ask_region};
@@ -98,6 +98,25 @@ fn disabled_objects_are_in_no_pair_and_in_no_answer() {
             live::<u32>(config.with_lean(), 120, setup, seed as u64);
             live::<u32>(config, 700, setup, seed as u64);
         }
+    }
+}
+
+/// Where all move and leaves stay as they are, also the objects at the rim, whose cells end where boxes do.
+#[test]
+fn who_is_disabled_leaves_its_leaf_while_others_keep_theirs() {
+    let setup = Setup { kernels: Kernels::BASELINE, jobs: Jobs::Serial };
+    let config = Config::new(ample(2000, 20_000)).with_events().without_predicted_boxes();
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config)).like_the_reference(setup);
+    let (mut boxes, mut rng) = (scenes::uniform(2000, 3), Rng::new(4));
+    let ids = world.insert_many(&boxes);
+    for round in 0..12 {
+        let some: Vec<Id> = ids.iter().copied().filter(|id| id.slot() % 12 == round).collect();
+        world.set_enabled(&some, false);
+        scenes::walk(&mut boxes, 1000, 0.01, &mut rng);
+        world.step_over(&boxes, setup);
+        assert!(round < 3 || world.world().stats().path == Path::Full);
+        world.set_enabled(&some, round % 2 == 0);
     }
 }
 
