@@ -152,6 +152,56 @@ fn slots_that_go_to_other_objects_between_full_steps() {
     }
 }
 
+/// In a small world, too: the pair of the former object is lost, and that of the new one is found.
+#[test]
+fn a_slot_that_goes_to_another_object_is_another_pair() {
+    for count in [4, 20, 40] {
+        for config in [Config::new(ample(count, 90)), Config::new(ample(count, 90)).with_lean()] {
+            let config = config.with_events();
+            let mut slab = Slab::new::<u32>(&config);
+            let mut world = slab.world::<u32>(&config);
+            let cube = |x: f32| scenes::at([x, 0.0, 0.0], [1.0; 3]);
+            let insert = |world: &mut World<'_>, x| world.insert(cube(x)).expect("room");
+            let ids: Vec<Id> = (0..count).map(|at| insert(&mut world, 0.75 * at as f32)).collect();
+            world.step().expect("room");
+            world.remove(ids[1]).expect("alive");
+            let other = insert(&mut world, 0.5);
+            assert_eq!(other.slot(), 1);
+            let step = world.step().expect("room");
+            let sorted = |pairs: &[[u32; 2]]| {
+                let mut pairs = pairs.to_vec();
+                pairs.sort_unstable();
+                pairs
+            };
+            assert_eq!(sorted(step.lost()), [[0, 1], [1, 2]], "{count} objects");
+            assert_eq!(sorted(step.found()), [[0, 1], [1, 2]], "{count} objects");
+            assert_eq!(step.pairs().len(), count - 1);
+        }
+    }
+}
+
+/// Of 32 neighbours all but one have got other boxes one by one before it moves: its last box is kept as theirs are.
+#[test]
+fn the_last_one_of_a_word_is_compared_with_its_last_box() {
+    everywhere(configs()[0], |world, ids, scene, setup| {
+        let home = scene.boxes().to_vec();
+        world.step_over(&home, setup);
+        let mut boxes = home.clone();
+        for at in (5..128).step_by(32) {
+            boxes[at] = shifted(&home[at], [-500.0, 0.0, 0.0]);
+        }
+        world.step_over(&boxes, setup);
+        for at in (0..128).filter(|at| at % 32 != 5) {
+            boxes[at] = shifted(&boxes[at], [0.01, 0.0, 0.0]);
+            world.set(ids[at], boxes[at]);
+        }
+        for at in (5..128).step_by(32) {
+            boxes[at] = home[at];
+        }
+        world.step_over(&boxes, setup);
+    });
+}
+
 /// A script of all kinds of steps.
 fn script(world: &mut World<'_>, setup: Setup) -> Vec<Result<Outcome, Error>> {
     let mut scene = Brownian::new(COUNT, 8);

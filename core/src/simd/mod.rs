@@ -152,7 +152,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Tests the record at `base >> 16` against four others, at `base & 0xffff` plus the lowest four
     /// bits of a mask. Writes the pairs that touch and share no mark to the start of `to`, in
     /// order, and returns how many there are. What is behind them means nothing. `None` if only the keys can
-    /// decide one of the four, or if there are no four.
+    /// decide one of the four, or if a position is not in the slice. The mask must have four bits at least.
     #[inline(always)]
     fn four<I: Index>(self, sorted: &[Record], base: u32, bits: u64, to: &mut [Pair<I>; 4]) -> Option<usize> {
         let a = sorted.get((base >> 16) as usize)?;

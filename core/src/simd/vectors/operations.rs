@@ -76,7 +76,7 @@ pub(crate) trait Vectors: Copy + Send + Sync {
         Self::GUARANTEED
     }
 
-    /// Whether pairs are tested four at a time. It takes more code.
+    /// Whether candidates are tested four at a time, and boxes of pairs eight. It takes more code.
     const TESTS_SOME_PAIRS: bool = true;
 
     /// A vector in registers, the first byte lowest.

@@ -7,7 +7,7 @@ use crate::id::{Index, Pair};
 /// Which of eight pairs of slots have overlapping boxes, a bit each.
 ///
 /// # Safety
-/// Behind the box of each slot there must be another one.
+/// `boxes` must have the box of each slot, and another one behind it.
 #[inline(always)]
 pub(super) unsafe fn eight_overlap<W: Halves, I: Index>(w: W, boxes: &[KeyBox], pairs: &[Pair<I>; 8]) -> u32 {
     let [a, b, c, d, e, f, g, h] = pairs;
@@ -22,7 +22,7 @@ pub(super) unsafe fn eight_overlap<W: Halves, I: Index>(w: W, boxes: &[KeyBox], 
 /// The axes on which either box of four pairs begins beyond the other: four bytes a pair in each half.
 ///
 /// # Safety
-/// Behind the box of each slot there must be another one.
+/// `boxes` must have the box of each slot, and another one behind it.
 #[inline(always)]
 unsafe fn four_apart<W: Halves, I: Index>(w: W, boxes: &[KeyBox], [p, q, r, s]: [&Pair<I>; 4]) -> W::Vector {
     // SAFETY: the caller vouches for the slots.
@@ -35,7 +35,7 @@ unsafe fn four_apart<W: Halves, I: Index>(w: W, boxes: &[KeyBox], [p, q, r, s]: 
 /// The same of one pair, as masks. The last lane of a half means nothing.
 ///
 /// # Safety
-/// Behind the box of each slot there must be another one.
+/// `boxes` must have the box of each slot, and another one behind it.
 #[inline(always)]
 unsafe fn apart<W: Halves, I: Index>(w: W, boxes: &[KeyBox], [a, b]: &Pair<I>) -> W::Vector {
     // SAFETY: a box is 24 bytes; 32 bytes from its start on are read, all of them in the slice, as the caller
