@@ -3,7 +3,6 @@
 
 use crate::access::Access;
 use crate::filter::Filter;
-use crate::id::Index;
 use crate::pairs::pair_filter::PairFilter;
 use crate::tree::Record;
 
@@ -42,9 +41,9 @@ pub(crate) struct Pass {
 }
 
 #[derive(Clone, Copy)]
-pub(crate) struct Kinds<'g, I> {
+pub(crate) struct Kinds<'g> {
     /// The code of each object. Empty if all are compared with all.
-    codes: &'g [I],
+    codes: &'g [u8],
     /// Whether there are filters that do not meet.
     has_filters: bool,
     /// Which parts each part meets, a bit each.
@@ -53,12 +52,12 @@ pub(crate) struct Kinds<'g, I> {
     moved_alone: bool,
 }
 
-impl<'g, I: Index> Kinds<'g, I> {
+impl<'g> Kinds<'g> {
     /// The kinds of a world; `codes` has room for one of each object. O(slots).
     pub(crate) fn new(
         filters: Option<&PairFilter<'_>>,
         moved: Option<&'g [u32]>,
-        codes: &'g mut [I],
+        codes: &'g mut [u8],
     ) -> Self {
         let filters = filters.filter(|filters| filters.tells_apart());
         let (has_filters, moved_alone) = (filters.is_some(), cfg!(feature = "large") && moved.is_some());
@@ -69,8 +68,8 @@ impl<'g, I: Index> Kinds<'g, I> {
         let moved = moved.filter(|_| moved_alone).unwrap_or_default();
         for (word, codes) in moved.iter().zip(codes.chunks_mut(32)) {
             for (bit, code) in codes.iter_mut().enumerate() {
-                let part = if has_filters { code.at() } else { 0 };
-                *code = I::from_slot(part as u32 | (RESTS as u32 * (!word >> bit & 1)));
+                let part = if has_filters { *code } else { 0 };
+                *code = part | if word >> bit & 1 == 0 { RESTS as u8 } else { 0 };
             }
         }
         let codes = if has_filters || moved_alone { &*codes } else { &[] };
@@ -79,7 +78,7 @@ impl<'g, I: Index> Kinds<'g, I> {
 
     /// Writes the part of each object, and returns which parts each of them meets.
     #[inline(never)]
-    fn tell_apart(pair_filter: &PairFilter<'_>, codes: &mut [I]) -> [u8; PARTS] {
+    fn tell_apart(pair_filter: &PairFilter<'_>, codes: &mut [u8]) -> [u8; PARTS] {
         let (mut known, mut count) = ([Filter::ALL; KNOWN], 0);
         let mut last = None;
         for (filter, code) in pair_filter.filters.iter().zip(&mut *codes) {
@@ -93,7 +92,7 @@ impl<'g, I: Index> Kinds<'g, I> {
                 }
                 last = Some((*filter, if lone { KNOWN + 1 } else { kind }));
             }
-            *code = I::from_slot(last.map_or(0, |(_, kind)| kind) as u32);
+            *code = last.map_or(0, |(_, kind)| kind) as u8;
         }
         // Others are one more kind.
         let meet = |a: usize, b: usize| match (known.get(a), known.get(b)) {
@@ -122,7 +121,7 @@ impl<'g, I: Index> Kinds<'g, I> {
             }
         }
         for code in codes {
-            *code = I::from_slot(part_of.at(code.at()).into());
+            *code = part_of.at((*code).into());
         }
         meets
     }
@@ -134,14 +133,14 @@ impl<'g, I: Index> Kinds<'g, I> {
 
     /// The code of an object, by its record.
     pub(super) fn code(&self, record: &Record) -> usize {
-        self.codes.get(record.slot() as usize).map_or(0, |code| code.at())
+        self.codes.get(record.slot() as usize).map_or(0, |code| (*code).into())
     }
 
-    /// Counts the objects of each part, and of none: fewer than 65,536, so in registers.
+    /// Counts the objects of each part, and of none, if that has a say: fewer than 65,536, so in registers.
     #[inline(always)]
     pub(crate) fn count<'r>(&self, records: impl Iterator<Item = &'r Record>) -> Counts {
         let (mut sums, mut lone) = (0u64, 0);
-        for record in records {
+        for record in records.filter(|_| self.has_filters) {
             let code = self.code(record);
             let is_lone = u64::from(code >= LONE);
             sums += (1 - is_lone) << (16 * (code & PART));

@@ -105,9 +105,9 @@ impl<S: Simd> Gathered<'_, S> {
 
 /// A leaf, and who in it is compared with whom.
 #[derive(Clone, Copy)]
-struct Swept<'g, 'k, I> {
+struct Swept<'g, 'k> {
     tree_view: &'k TreeView<'g>,
-    kinds: &'k Kinds<'k, I>,
+    kinds: &'k Kinds<'k>,
     index: usize,
     leaf: Leaf,
 }
@@ -117,7 +117,7 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     simd: S,
     tree_view: &TreeView<'_>,
     index: usize,
-    kinds: &Kinds<'_, I>,
+    kinds: &Kinds<'_>,
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
@@ -149,7 +149,7 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
 #[inline(always)]
 fn sweep_passes<S: Simd, I: Index>(
     simd: S,
-    swept: Swept<'_, '_, I>,
+    swept: Swept<'_, '_>,
     (plan, across): (&Plan, bool),
     buckets: [&[Record]; 2],
     leaf_scratch: &mut LeafScratch<'_, I>,
@@ -172,7 +172,7 @@ fn sweep_passes<S: Simd, I: Index>(
 #[inline(always)]
 fn sweep_tiles<S: Simd, I: Index>(
     simd: S,
-    swept: Swept<'_, '_, I>,
+    swept: Swept<'_, '_>,
     count: usize,
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
@@ -214,9 +214,9 @@ fn sweep_tiles<S: Simd, I: Index>(
 /// Fills a tile with the members and ghosts of these numbers that a plan takes, or all. Returns
 /// how many there are; `numbers` are then what is left for the next tiles.
 #[inline(always)]
-fn fill_tile<S: Simd, I: Index>(
+fn fill_tile<S: Simd>(
     simd: S,
-    swept: Swept<'_, '_, I>,
+    swept: Swept<'_, '_>,
     numbers: &mut Range<usize>,
     plan: Option<&Plan>,
     tile: &mut [Record],
