@@ -438,7 +438,8 @@ typedef struct trisap_stats {
     uint32_t fine_leaves;
     /// 1 if the work was offered to the workers of the job system.
     uint32_t shared;
-    /// How many boxes left their fat boxes since the last complete step; in a fat world their margins.
+    /// How many boxes left their fat boxes since the last complete step, or are others where all fat boxes were
+    /// made anew; in a fat world how many left their margins.
     uint32_t outran;
     /// Ghosts: boxes swept in leaves where they are not at home.
     uint64_t copies;

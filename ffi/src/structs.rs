@@ -290,7 +290,8 @@ pub struct trisap_stats {
     pub fine_leaves: u32,
     /// 1 if the work was offered to the workers of the job system.
     pub shared: u32,
-    /// How many boxes left their fat boxes since the last complete step; in a fat world their margins.
+    /// How many boxes left their fat boxes since the last complete step, or are others where all fat boxes were
+    /// made anew; in a fat world how many left their margins.
     pub outran: u32,
     /// Ghosts: boxes swept in leaves where they are not at home.
     pub copies: u64,

@@ -81,7 +81,7 @@ impl Classification {
     /// Whether its minimum corner is at home here, and the box is no large object.
     pub(crate) const fn is_member(self) -> bool {
         // Both in one comparison.
-        (self.before & (MINIMA | MAXIMA)) << 3 | self.inside & MINIMA == MAXIMA << 3 | MINIMA
+        self.before << 3 | self.inside & MINIMA == MAXIMA << 3 | MINIMA
     }
 
     /// Whether the box, if it is at home here, reaches beyond the cell.

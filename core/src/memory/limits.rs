@@ -52,6 +52,8 @@ pub(crate) const QUERY_WORKERS: usize = 32;
 pub(crate) const LEVELS: usize = 64;
 /// Masks from which a round takes bits before it looks again whether there is room.
 pub(crate) const MASKS_PER_ROUND: usize = 32;
+/// About so many records of a bucket tell how many neighbours all have.
+pub(crate) const NEIGHBOURS_SAMPLE: usize = 32;
 /// Rows whose windows are compared in one pass. A power of two, so that an index into a list needs no check.
 pub(crate) const ROWS: usize = 256;
 

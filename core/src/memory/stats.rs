@@ -84,7 +84,8 @@ pub struct Stats {
     pub fine_leaves: bool,
     /// Whether the work was offered to the executor's workers: from 4,096 objects on, in worlds with a tree.
     pub shared: bool,
-    /// How many boxes left their fat boxes since the last complete step; in a fat world their margins.
+    /// How many boxes left their fat boxes since the last complete step, or are others where all fat boxes were
+    /// made anew; in a fat world how many left their margins.
     pub outran: u32,
     /// Leaves of the tree; 1 in a world without one.
     pub leaves: u32,

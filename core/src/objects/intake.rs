@@ -9,7 +9,7 @@ use crate::memory::limits::{SLOT_BLOCKS, block_len};
 use crate::memory::slab::Parts;
 use crate::memory::slot_set::SlotSet;
 use crate::objects::Objects;
-use crate::objects::margins::FatBoxes;
+use crate::objects::margins::{FatBoxes, FatRule};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::simd::kernels::{Kernels, run};
@@ -47,7 +47,7 @@ pub(crate) fn ingest<I: Index>(
     if parts.sizes.is_small() {
         let mut objects = parts.objects();
         objects.now = core::mem::take(&mut objects.now).span_mut(0, slots);
-        objects.fat.regrows = regrows;
+        objects.fat.rule.regrows = regrows;
         return ingest_block(context.kernels, 0, bounds, objects);
     }
     ingest_blocks(parts, bounds, (slots, regrows), context)
@@ -75,7 +75,7 @@ fn ingest_blocks<I: Index>(
     context.each(blocks, |block, ((now, given), fat, before, (moved, changed), found)| {
         let first = block * len;
         let margins = all.margins.get(first..).unwrap_or_default();
-        let fat = FatBoxes { boxes: fat, margins, regrows, ..all };
+        let fat = FatBoxes { boxes: fat, margins, rule: FatRule { regrows, ..all.rule } };
         let [moved, changed] = [moved, changed].map(|(words, groups)| SlotSet { words, groups });
         let resting = resting.get(first / 32..).unwrap_or_default();
         let objects = Objects { now, cut: &mut [], given, fat, moved, changed, before, resting };
@@ -116,12 +116,16 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
         let mut taken = Taken { done, ..Taken::default() };
         if S::ENCODES_FOUR && !has_fat {
             taken = take_in_quiet::<S, false>(simd, first, bounds, &mut objects, word, taken);
-        } else if S::ENCODES_FOUR && !(objects.fat.renews | objects.fat.regrows) {
+        } else if S::ENCODES_FOUR && !(objects.fat.rule.renews | objects.fat.rule.regrows) {
             taken = take_in_quiet::<S, true>(simd, first, bounds, &mut objects, word, taken);
         }
         if S::ENCODES_FOUR && has_fat && taken.done & all != all {
             let of = &mut objects;
-            taken = call!(simd, take_in_leavers(simd, first, bounds, of, word, taken));
+            taken = if of.is_fat() || !S::MORE_CODE {
+                call!(simd, take_in_leavers::<S, true>(simd, first, bounds, of, word, taken))
+            } else {
+                call!(simd, take_in_leavers::<S, false>(simd, first, bounds, of, word, taken))
+            };
         }
         let (of, found) = (&mut objects, &mut intake);
         if S::ENCODES_FOUR && taken.done & all == all {
@@ -132,7 +136,7 @@ fn take_in_words<S: Simd>(simd: S, first: usize, bounds: &Boxes<'_>, mut objects
             take_in(first, bounds, of, word, taken, found);
         }
     }
-    Intake { outran: objects.fat.outran, ..intake }
+    Intake { outran: objects.fat.rule.outran, ..intake }
 }
 
 /// Takes in the boxes of the slots of a word one by one, but for those that are done with.
@@ -190,7 +194,7 @@ fn take_in(
                 } else {
                     same |= this;
                 }
-                fat.outran = fat_boxes.outran;
+                fat.rule = fat_boxes.rule;
                 continue;
             }
             if let Some(before) = before {
@@ -227,13 +231,12 @@ fn take_in_quiet<S: Simd, const FAT: bool>(
             continue;
         }
         if let Some(given) = given.get_mut(four) {
-            let stay = simd.encode_four(boxes, old, old, given).is_some();
+            let stay = simd.encode_four(boxes, Some(old), old, given).is_some();
             taken.done |= if stay { 0b1111 << first } else { 0 };
             continue;
         }
-        let held = held.get(four).unwrap_or(&[KeyBox::ALL; 4]);
         let mut new = <[KeyBox; 4]>::default();
-        let Some(others) = simd.encode_four(boxes, held, old, &mut new) else { continue };
+        let Some(others) = simd.encode_four(boxes, held.get(four), old, &mut new) else { continue };
         if EVENTS && let Some(before) = before.get_mut(four) {
             keep(before, old, others & !(kept >> first));
         }
@@ -262,7 +265,7 @@ fn keep(before: &mut [KeyBox; 4], old: &[KeyBox; 4], unkept: u32) {
 
 /// The same of objects that may leave these boxes.
 #[inline(always)]
-fn take_in_leavers<S: Simd>(
+fn take_in_leavers<S: Simd, const FAT: bool>(
     simd: S,
     first: usize,
     bounds: &Boxes<'_>,
@@ -272,28 +275,34 @@ fn take_in_leavers<S: Simd>(
 ) -> Taken {
     let mut items = bounds.items_from(first + word * 32);
     let Objects { now, given, fat, changed: kept, before, .. } = objects;
-    let (at, kept) = (word * 32, kept.words.get(word).copied().unwrap_or(u32::MAX));
-    let (now, before, given) = (fours(now, word), fours(before, word), fours(given, word));
-    for (four, old) in now.iter_mut().enumerate() {
+    let kept = kept.words.get(word).copied().unwrap_or(u32::MAX);
+    let mut margins = fat.margins.get(word * 32..).unwrap_or_default().as_chunks().0.iter();
+    let (mut held, mut before) = (fours(fat.boxes, word).iter_mut(), fours(before, word).iter_mut());
+    let mut given = fours(given, word).iter_mut();
+    for (four, old) in fours(now, word).iter_mut().enumerate() {
         let (first, boxes) = (4 * four, bounds.four(&mut items));
+        let (held, before, given) = (held.next(), before.next(), given.next());
+        let margins = margins.next().unwrap_or(&[0.0; 4]);
         if taken.done >> first & 0b1111 != 0 {
             continue;
         }
         let mut new = <[KeyBox; 4]>::default();
-        let Some(mut others) = simd.encode_four(boxes, &[KeyBox::ALL; 4], old, &mut new) else { continue };
+        let Some(mut others) = simd.encode_four(boxes, None, old, &mut new) else { continue };
         // By reference, since boxes that came in one of two ways would be taken apart to numbers.
         let (reported, came);
         let (mut to, mut from) = (&new, &*old);
-        if let Some(given) = given.get_mut(four) {
+        if FAT && let Some(given) = given {
             let last = core::mem::replace(given, new);
-            (others, reported) = fat.report(simd, at + first, old, &last, &new);
+            (others, reported) = fat.rule.report(simd, margins, old, &last, &new);
             came = core::array::from_fn(|k| reported[k].came_from(&last[k], &new[k]));
             (to, from) = (&reported, &came);
         }
-        if EVENTS && let Some(before) = before.get_mut(four) {
+        if EVENTS && let Some(before) = before {
             keep(before, old, others & !(kept >> first));
         }
-        taken.contained |= fat.follow(simd, at + first, from, to, others) << first;
+        if let Some(held) = held {
+            taken.contained |= fat.rule.follow(simd, margins, (from, to), others, held) << first;
+        }
         *old = *to;
         (taken.done, taken.changed) = (taken.done | 0b1111 << first, taken.changed | others << first);
     }

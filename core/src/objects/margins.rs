@@ -16,7 +16,13 @@ pub(crate) struct FatBoxes<'o> {
     pub(crate) boxes: &'o mut [KeyBox],
     /// What the caller has put around each box; none if no margins were given.
     pub(crate) margins: &'o [f32],
-    /// Whether that is part of the boxes that are reported, not of fat boxes alone.
+    pub(crate) rule: FatRule,
+}
+
+/// How boxes get others around them.
+#[derive(Clone, Copy)]
+pub(crate) struct FatRule {
+    /// Whether margins are part of the boxes that are reported, not of fat boxes alone.
     pub(crate) reports_margins: bool,
     /// Whether fat boxes are predicted, not only grown by the margin.
     pub(crate) predicted: bool,
@@ -24,33 +30,18 @@ pub(crate) struct FatBoxes<'o> {
     pub(crate) renews: bool,
     /// In a fat world: whether it gets a new one that is reported.
     pub(crate) regrows: bool,
-    /// Boxes that left their fat boxes.
+    /// Boxes that left their fat boxes, or got new ones with all others.
     pub(crate) outran: u32,
 }
 
-impl FatBoxes<'_> {
-    /// Whether there are fat boxes in use.
-    pub(crate) fn exist(&self) -> bool {
-        TREE && !self.boxes.is_empty()
-    }
-
-    pub(crate) fn margins<const N: usize>(&self, at: usize) -> [f32; N] {
-        let margins = self.margins.get(at..).and_then(|margins| margins.first_chunk());
-        margins.copied().unwrap_or([0.0; N])
-    }
-
-    /// What fat boxes have around them at least.
-    fn around<const N: usize>(&self, at: usize) -> [f32; N] {
-        if self.reports_margins { [0.0; N] } else { self.margins(at) }
-    }
-
+impl FatRule {
     /// In a fat world: of the boxes `given` to some objects, who were reported as `old` and given `last`: who
     /// are reported as or get anything else, a bit each, and what all are reported as.
     #[inline(always)]
     pub(crate) fn report<S: Simd, const N: usize>(
         &mut self,
         simd: S,
-        at: usize,
+        margins: &[f32; N],
         old: &[KeyBox; N],
         last: &[KeyBox; N],
         given: &[KeyBox; N],
@@ -64,16 +55,49 @@ impl FatBoxes<'_> {
         let (mut to, grows) = (*old, if self.regrows { others } else { left });
         if grows != 0 {
             let mut grown = *old;
-            simd.predicted(given, given, &self.margins(at), false, &mut grown);
+            simd.predicted(given, given, margins, false, &mut grown);
             bits::of_word(grows).for_each(|bit| to.put(bit, grown.at(bit)));
         }
         (if self.renews { others } else { grows }, to)
     }
 
+    /// Gives some objects other boxes, whose bit is set, and new fat boxes to those that leave theirs. Returns
+    /// who stays in the fat box.
+    #[inline(always)]
+    pub(crate) fn follow<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        margins: &[f32; N],
+        (old, new): (&[KeyBox; N], &[KeyBox; N]),
+        others: u32,
+        fat: &mut [KeyBox; N],
+    ) -> u32 {
+        let stay = if self.renews { 0 } else { others & simd.inside(fat, new) };
+        self.outran += if self.reports_margins { 0 } else { (others & !stay).count_ones() };
+        if others != stay {
+            let (were, around) = (*fat, if self.reports_margins { &[0.0; N] } else { margins });
+            simd.predicted(new, old, around, TREE && self.predicted, fat);
+            let kept = !(others & !stay) & (u32::MAX >> (32 - N));
+            bits::of_word(kept).for_each(|bit| fat.put(bit, were.at(bit)));
+        }
+        stay
+    }
+}
+
+impl FatBoxes<'_> {
+    /// Whether there are fat boxes in use.
+    pub(crate) fn exist(&self) -> bool {
+        TREE && !self.boxes.is_empty()
+    }
+
+    pub(crate) fn margin(&self, at: usize) -> f32 {
+        self.margins.get(at).copied().unwrap_or_default()
+    }
+
     /// Makes the fat box of an object whose motion nobody knows.
     pub(crate) fn anchor(&mut self, at: usize, bounds: &KeyBox) {
-        let [around] = self.around(at);
         if self.exist() {
+            let around = if self.rule.reports_margins { 0.0 } else { self.margin(at) };
             self.boxes.put(at, bounds.grown(around));
         }
     }
@@ -91,9 +115,10 @@ impl FatBoxes<'_> {
         before: Option<&mut KeyBox>,
     ) -> Option<bool> {
         let (mut to, mut last, mut others) = ([*new], None, u32::from(!new.is_same(now)));
+        let margins = [self.margin(at)];
         if MARGINS && let Some(given) = given.get_mut(at) {
             let was = core::mem::replace(given, *new);
-            (others, to) = self.report(Scalar, at, &[*now], &[was], &[*new]);
+            (others, to) = self.rule.report(Scalar, &margins, &[*now], &[was], &[*new]);
             last = Some(was);
         }
         if others == 0 {
@@ -107,34 +132,8 @@ impl FatBoxes<'_> {
             *before = *now;
         }
         [*now] = to;
-        Some(self.follow(Scalar, at, &from, &to, 1) != 0)
-    }
-
-    /// Gives some objects other boxes, whose bit is set. Returns who stays in the fat box.
-    #[inline(always)]
-    pub(crate) fn follow<S: Simd, const N: usize>(
-        &mut self,
-        simd: S,
-        at: usize,
-        old: &[KeyBox; N],
-        new: &[KeyBox; N],
-        others: u32,
-    ) -> u32 {
-        let around = self.around(at);
-        let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut());
-        let Some(fat) = fat.filter(|_| TREE) else { return 0 };
-        let contained = others & simd.inside(fat, new);
-        self.outran += if self.reports_margins { 0 } else { (others & !contained).count_ones() };
-        let stay = if self.renews { 0 } else { contained };
-        if others != stay {
-            let mut made = *fat;
-            simd.predicted(new, old, &around, TREE && self.predicted, &mut made);
-            match others & !stay {
-                all if all.count_ones() as usize == N => *fat = made,
-                some => bits::of_word(some).for_each(|bit| fat.put(bit, made.at(bit))),
-            }
-        }
-        stay
+        let fat = self.boxes.get_mut(at..).and_then(|boxes| boxes.first_chunk_mut()).filter(|_| TREE);
+        Some(fat.is_some_and(|fat| self.rule.follow(Scalar, &margins, (&from, &to), 1, fat) != 0))
     }
 }
 

@@ -10,7 +10,7 @@ use crate::id::Index;
 use crate::memory::layout::reports_margins;
 use crate::memory::slab::Parts;
 use crate::memory::slot_set::SlotSet;
-use crate::objects::margins::FatBoxes;
+use crate::objects::margins::{FatBoxes, FatRule};
 
 /// The arrays of some consecutive slots. Positions count from the first of them.
 pub(crate) struct Objects<'o> {
@@ -61,12 +61,12 @@ impl<I: Index> Parts<'_, I> {
         let (predicted, renews) = (self.config().predicted, has_tree && self.state.step.renews != 0);
         let boxes = if self.boxes.tight { &mut [] } else { &mut *self.boxes.fat };
         let (margins, reports_margins) = (&*self.boxes.margins, reports_margins(&self.sizes.config));
-        let fat = FatBoxes { boxes, margins, reports_margins, predicted, renews, regrows: false, outran: 0 };
+        let rule = FatRule { reports_margins, predicted, renews, regrows: false, outran: 0 };
         Objects {
             now: self.boxes.now,
             cut: self.boxes.cut,
             given: self.boxes.given,
-            fat,
+            fat: FatBoxes { boxes, margins, rule },
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
             before: self.boxes.before,
@@ -115,7 +115,7 @@ impl Objects<'_> {
         };
         // Far too wide. No predicted box is at first. What is reported follows from boxes alone.
         let around = if MARGINS && !self.given.is_empty() { Some(&*now) } else { self.fat.boxes.get(at) };
-        let [margin] = self.fat.margins(at);
+        let margin = self.fat.margin(at);
         if let Some(around) = around
             && around.largest_extent() > 16.0 * (bounds.largest_extent() + margin)
         {
@@ -137,7 +137,7 @@ impl Objects<'_> {
     fn place(&mut self, at: usize, mut bounds: KeyBox) {
         if self.is_fat() {
             self.given.put(at, bounds);
-            let [margin] = self.fat.margins(at);
+            let margin = self.fat.margin(at);
             bounds = bounds.grown(margin);
         }
         self.now.put(at, bounds);

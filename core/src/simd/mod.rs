@@ -78,8 +78,9 @@ pub(crate) trait Simd: Copy + Send + Sync {
     /// Whether it encodes four boxes at a time: see [`encode_four`](Self::encode_four).
     const ENCODES_FOUR: bool = false;
 
-    /// Whether it tests some pairs at once: see [`overlaps`](Self::overlaps).
-    const TESTS_SOME_PAIRS: bool = false;
+    /// Whether loops are compiled in more forms where that takes less time: some pairs or candidates tested at
+    /// once, half a window, boxes that leave their fat boxes in an exact world.
+    const MORE_CODE: bool = false;
 
     /// Calls a closure that is compiled for this level: see [`call!`].
     #[inline(never)]
@@ -91,9 +92,15 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn keys(self, bounds: &KeyBox) -> Self::Keys;
 
     /// The keys of the first four boxes: bit `k` where box `k` is not `old[k]`. `None`, and nothing is
-    /// written, where one is bad, an old one empty, or one not inside what it is to be held by.
+    /// written, where one is bad, an old one empty, or one not inside what it is to be `held` by.
     #[inline(always)]
-    fn encode_four(self, _: Boxes<'_>, _held: &KeyFour, _old: &KeyFour, _new: &mut KeyFour) -> Option<u32> {
+    fn encode_four(
+        self,
+        _: Boxes<'_>,
+        _held: Option<&KeyFour>,
+        _old: &KeyFour,
+        _new: &mut KeyFour,
+    ) -> Option<u32> {
         None
     }
 
@@ -147,7 +154,8 @@ pub(crate) trait Simd: Copy + Send + Sync {
     fn query(self, axis: Self::Axis, record: &Record) -> Self::Query;
 
     /// Which of the first `count` rows, at most all, have no byte below the query's: bit `i` for row `i`.
-    fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Query) -> u64;
+    /// There are 32 or [`WINDOW`] rows.
+    fn window<const N: usize>(self, rows: &[Row; N], count: usize, query: Self::Query) -> u64;
 
     /// Tests the record at `base >> 16` against four others, at `base & 0xffff` plus the lowest four
     /// bits of a mask. Writes the pairs that touch and share no mark to the start of `to`, in
@@ -184,7 +192,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
         let Tested { mut found, mut tied } = Tested::default();
         let (mut from, mut one_by_one) = (0, 0);
         while from < candidates.len() {
-            if Self::TESTS_SOME_PAIRS && from >= one_by_one {
+            if Self::MORE_CODE && from >= one_by_one {
                 one_by_one = from + 4;
                 // No closures: they would not share the instruction set of their function.
                 if let Some(four) = candidates.get(from..).and_then(|rest| rest.first_chunk())

@@ -1,6 +1,6 @@
 //! The level that every CPU has, and the definition of each operation.
 
-use super::{Row, Simd, WINDOW, query_lanes, row_lanes};
+use super::{Row, Simd, query_lanes, row_lanes};
 use crate::access::Access;
 use crate::geometry::key::{KeyBox, value};
 use crate::geometry::record::{Frame, GRID_MAX, Record};
@@ -47,7 +47,7 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn window(self, rows: &[Row; WINDOW], count: usize, query: Row) -> u64 {
+    fn window<const N: usize>(self, rows: &[Row; N], count: usize, query: Row) -> u64 {
         // All four bytes at once. With its high bit set, no byte of a row borrows from the next one.
         const HIGH: u32 = 0x8080_8080;
         let query = u32::from_ne_bytes(query);

@@ -1,9 +1,9 @@
 //! Compares the records of a sorted bucket with their neighbours, without branches that depend on boxes: the
 //! branch predictor would guess them wrong, and a wrong guess costs more than the compares.
 //!
-//! Each record is compared with the rows of its neighbours, a window of 64 rows at a time. A pass compares
-//! the first windows of many records, then the second windows of records with more neighbours, and so on. A
-//! window gives a mask of candidates.
+//! Each record is compared with the rows of its neighbours, a window of 64 rows at a time, or of half as many
+//! where few records have more. A pass compares the first windows of many records, then the second windows of
+//! records with more neighbours, and so on. A window gives a mask of candidates.
 //!
 //! The bits of the masks are taken in rounds, so that no branch depends on how many bits a mask has. First
 //! one, two or three bits of each mask go to a list of candidates, so that a multiple of four is left. Then
@@ -13,11 +13,14 @@ use super::Sink;
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::{Index, Pair, pair};
-use crate::memory::limits::{MASKS_PER_ROUND, ROWS};
+use crate::memory::limits::{MASKS_PER_ROUND, NEIGHBOURS_SAMPLE, ROWS};
 use crate::memory::scratch::{CANDIDATES_PER_ROUND, LeafScratch, Lists, Work};
 use crate::simd::{Row, Simd, Tested, WINDOW, call};
 use crate::tree::Record;
 use core::ops::Range;
+
+/// Half a window.
+const HALF: usize = WINDOW / 2;
 
 /// Passes on the pairs of the first `count` records of a sorted bucket. `run`: the neighbours of a record.
 #[inline(always)]
@@ -34,14 +37,34 @@ pub(super) fn sweep<S: Simd, I: Index>(
     let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
     let mut found = Found { sorted, boxes, candidates, collected: 0, pairs, found: 0, work, sink };
     let found = &mut found;
-    call!(simd, compare_all(simd, (rows, axis), lists, found, run));
+    let few = have_few_neighbours(sorted, &run);
+    if S::MORE_CODE && few {
+        call!(simd, compare_all::<HALF, S, I, _>(simd, (rows, axis, HALF), lists, found, run));
+    } else {
+        // The same windows at all levels, as the order of pairs follows from them.
+        let width = if few { HALF } else { WINDOW };
+        call!(simd, compare_all::<WINDOW, S, I, _>(simd, (rows, axis, width), lists, found, run));
+    }
 }
 
-/// Compares all records with their neighbours, and tests what the masks tell.
+/// Whether half a window holds the neighbours of a record, by the mean of a sample.
 #[inline(always)]
-fn compare_all<S: Simd, I: Index, F: Fn(usize, &Record) -> (usize, usize)>(
+fn have_few_neighbours(sorted: &[Record], run: impl Fn(usize, &Record) -> (usize, usize)) -> bool {
+    let (mut neighbours, mut sampled) = (0, 0);
+    for at in (0..sorted.len()).step_by(sorted.len().div_ceil(NEIGHBOURS_SAMPLE).max(1)) {
+        let (first, end) = run(at, &sorted.at(at));
+        neighbours += end.saturating_sub(first);
+        sampled += 1;
+    }
+    neighbours <= HALF * sampled
+}
+
+/// Compares all records with their neighbours in windows of a width, of at most so many rows, and tests what
+/// the masks tell.
+#[inline(always)]
+fn compare_all<const MOST: usize, S: Simd, I: Index, F: Fn(usize, &Record) -> (usize, usize)>(
     simd: S,
-    (rows, axis): (&[Row], usize),
+    (rows, axis, width): (&[Row], usize, usize),
     lists: &mut Lists,
     found: &mut Found<'_, '_, I>,
     run: F,
@@ -51,20 +74,20 @@ fn compare_all<S: Simd, I: Index, F: Fn(usize, &Record) -> (usize, usize)>(
     while start < sorted.len() {
         let count = ROWS.min(sorted.len() - start);
         masks = make_room(simd, lists, masks, count, found);
-        let mut pass = Pass { rows, lanes, lists, masks, left: 0 };
+        let mut pass = Pass { rows, width, lanes, lists, masks, left: 0 };
         for (at, record) in (start..).zip(sorted.span(start, count)) {
             let (first, end) = run(at, record);
-            pass.next(simd, record, (at << 16 | first) as u32, end as u32);
+            pass.next::<MOST, S>(simd, record, (at << 16 | first) as u32, end as u32);
         }
         let mut left = pass.left;
         masks = pass.masks;
         while left > 0 {
             masks = make_room(simd, lists, masks, left, found);
-            let mut pass = Pass { rows, lanes, lists, masks, left: 0 };
+            let mut pass = Pass { rows, width, lanes, lists, masks, left: 0 };
             for index in 0..left {
                 let (base, end) = (pass.lists.open.at(index % ROWS), pass.lists.ends.at(index % ROWS));
                 let Some(record) = sorted.get((base >> 16) as usize) else { continue };
-                pass.next(simd, record, base, end);
+                pass.next::<MOST, S>(simd, record, base, end);
             }
             (left, masks) = (pass.left, pass.masks);
         }
@@ -96,6 +119,7 @@ fn make_room<S: Simd, I: Index>(
 /// One window of many rows.
 struct Pass<'l, A> {
     rows: &'l [Row],
+    width: usize,
     lanes: A,
     lists: &'l mut Lists,
     /// Masks in the lists.
@@ -107,18 +131,18 @@ struct Pass<'l, A> {
 impl<A: Copy> Pass<'_, A> {
     /// Compares a record with its next window.
     #[inline(always)]
-    fn next<S: Simd<Axis = A>>(&mut self, simd: S, record: &Record, base: u32, end: u32) {
+    fn next<const MOST: usize, S: Simd<Axis = A>>(&mut self, simd: S, record: &Record, base: u32, end: u32) {
         let first = base & 0xffff;
         let count = end.wrapping_sub(first);
         let rows = self.rows.get(first as usize..).unwrap_or_default();
-        let Some(rows) = rows.first_chunk() else { return };
-        let bits = simd.window(rows, count as usize, simd.query(self.lanes, record));
+        let Some(rows) = rows.first_chunk::<MOST>() else { return };
+        let bits = simd.window(rows, (count as usize).min(self.width), simd.query(self.lanes, record));
         // Both lists are always written, used or not.
         self.lists.put_mask(self.masks, bits, base);
         self.masks += usize::from(bits != 0);
-        self.lists.open.put(self.left % ROWS, base.wrapping_add(WINDOW as u32));
+        self.lists.open.put(self.left % ROWS, base.wrapping_add(self.width as u32));
         self.lists.ends.put(self.left % ROWS, end);
-        self.left += usize::from(count > WINDOW as u32);
+        self.left += usize::from(count > self.width as u32);
     }
 }
 

@@ -263,7 +263,7 @@ impl<'m, I: Index> World<'m, I> {
         for (id, bounds) in ids.iter().zip(boxes) {
             objects.accept(id.slot() as usize, bounds);
         }
-        let outran = objects.fat.outran;
+        let outran = objects.fat.rule.outran;
         parts.state.objects.outran = parts.state.objects.outran.saturating_add(outran);
     }
 

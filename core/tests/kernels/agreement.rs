@@ -111,7 +111,7 @@ fn four_boxes<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
         2 => KeyBox { min: near.min.map(|k| k.saturating_sub(random.below(3) as i32 - 1)), ..near },
         _ => near,
     });
-    let found = simd.encode_four(four, &held, &old, &mut new);
+    let found = simd.encode_four(four, if all { None } else { Some(&held) }, &old, &mut new);
     let are_held = keys.iter().zip(&held).all(|(keys, held)| keys.is_some_and(|keys| held.contains(&keys)));
     let good = keys.iter().all(Option::is_some) && !old.iter().any(KeyBox::is_empty);
     let others = (0..4).map(|k| u32::from(keys[k] != Some(old[k])) << k).sum();
@@ -154,9 +154,11 @@ fn rows<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     }
     let count = random.below(WINDOW + 9);
     let query = simd.query(simd.axis(axis), &record);
+    let half: &[Row; WINDOW / 2] = rows.first_chunk().unwrap();
     rounds.check([
         ("row", simd.row(simd.axis(axis), &record) == Scalar.row(axis, &record)),
         ("window", simd.window(&rows, count, query) == Scalar.window(&rows, count, least)),
+        ("half a window", simd.window(half, count, query) == Scalar.window(half, count, least)),
     ]);
 }
 

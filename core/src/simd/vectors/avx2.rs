@@ -3,7 +3,8 @@
 use super::operations::{Halves, Vectors, kept, operations, proven};
 use super::sse41::Sse41;
 use crate::geometry::key::KeyBox;
-use crate::simd::{Row, WINDOW};
+use crate::geometry::record::GRID_MAX;
+use crate::simd::Row;
 use core::arch::x86_64::*;
 
 cpufeatures::new!(detected, "avx2", "bmi1", "bmi2", "popcnt");
@@ -94,7 +95,7 @@ impl Vectors for Avx2 {
         upper32(a, b) = _mm256_max_epi32(a, b);
         minus32(a, b) = _mm256_sub_epi32(a, b);
         magnitude32(a) = _mm256_abs_epi32(a);
-        keys(a) = _mm256_sign_epi32(_mm256_and_si256(a, _mm256_set1_epi32(i32::MAX)), a);
+        turned(a, ways) = _mm256_sign_epi32(a, ways);
         add(a, b) = _mm256_castps_si256(_mm256_add_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
         subtract(a, b) = _mm256_castps_si256(_mm256_sub_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
         multiply(a, b) = _mm256_castps_si256(_mm256_mul_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
@@ -123,6 +124,10 @@ impl Halves for Avx2 {
             let b = _mm256_permutevar8x32_epi32(b, _mm256_setr_epi32(3, 4, 5, 7, 0, 1, 2, 7));
             [_mm256_blend_epi32::<0xf0>(a, b), _mm256_blend_epi32::<0xf0>(b, a)]
         };
+        steps16(a) -> __m128i = {
+            let steps = _mm256_cvttps_epi32(_mm256_min_ps(_mm256_set1_ps(GRID_MAX), _mm256_castsi256_ps(a)));
+            _mm_packus_epi32(_mm256_castsi256_si128(steps), _mm256_extracti128_si256::<1>(steps))
+        };
         six(mask) -> u32 = _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32;
         bits8(mask) -> u32 = _mm256_movemask_ps(_mm256_castsi256_ps(mask)) as u32;
         zeros64(a) -> u32 = {
@@ -144,10 +149,12 @@ impl Halves for Avx2 {
     }
 
     #[inline(always)]
-    fn window(self, rows: &[Row; WINDOW], count: usize, query: __m256i) -> u64 {
-        let [first, last]: &[[[u8; 32]; 4]; 2] = bytemuck::cast_ref(rows);
-        let mask = u64::from(reached(self, first, query)) | u64::from(reached(self, last, query)) << 32;
+    fn window<const N: usize>(self, rows: &[Row; N], count: usize, query: __m256i) -> u64 {
+        let mut mask = 0;
+        for (at, rows) in rows.as_flattened().as_chunks::<128>().0.iter().enumerate() {
+            mask |= u64::from(reached(self, bytemuck::cast_ref(rows), query)) << (32 * at);
+        }
         // SAFETY: `self` proves BMI2.
-        unsafe { _bzhi_u64(mask, count.min(WINDOW) as u32) }
+        unsafe { _bzhi_u64(mask, count.min(N) as u32) }
     }
 }

@@ -14,6 +14,10 @@ const SIX_EACH: [u8; 16] = [0, 1, 2, 3, 4, 5, NO_BYTE, NO_BYTE, 6, 7, 8, 9, 10, 
 pub(super) const MINIMA: [[u32; 4]; 3] =
     [[u32::MAX, u32::MAX, u32::MAX, 0], [0, 0, u32::MAX, u32::MAX], [u32::MAX, 0, 0, 0]];
 
+/// Which way outwards is: minima go down.
+pub(super) const OUTWARDS: [[u32; 4]; 3] =
+    [[u32::MAX, u32::MAX, u32::MAX, 1], [1, 1, u32::MAX, u32::MAX], [u32::MAX, 1, 1, 1]];
+
 /// The 24 numbers of four boxes, if there are as many.
 #[inline(always)]
 pub(super) fn numbers<W: Halves>(
@@ -92,8 +96,7 @@ pub(super) const OWNERS: [[u8; 4]; 3] = [[0; 4], [0, 0, 1, 1], [1; 4]];
 #[inline(always)]
 pub(super) fn smallest<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> W::Vector {
     let [minima, maxima] = second(w, b, c);
-    let first = w.subtract(w.floats(w.fourth_on(a, b)), w.floats(a));
-    let second = w.subtract(w.floats(maxima), w.floats(minima));
+    let (first, second) = (w.subtract(w.fourth_on(a, b), a), w.subtract(maxima, minima));
     // Two sides along the first axis and two along the second one; two along the third one.
     let (two, third) = (usable(w, w.zip_first32(first, second)), usable(w, w.zip_last32(first, second)));
     let least = w.minimum(w.minimum(two, w.shuffle(two, w.both(&places([2, 3, 2, 3])))), third);
@@ -105,10 +108,4 @@ pub(super) fn smallest<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> W::Vector 
 fn usable<W: Halves>(w: W, sides: W::Vector) -> W::Vector {
     let most = w.splat(f32::MAX.to_bits());
     w.minimum(w.select(w.at_most(w.splat(SHORTEST.to_bits()), sides), sides, most), most)
-}
-
-/// Keys with the other sign where all bits of `inwards` are set.
-#[inline(always)]
-pub(super) fn turned<W: Halves>(w: W, keys: W::Vector, inwards: W::Vector) -> W::Vector {
-    w.minus32(w.xor(keys, inwards), inwards)
 }

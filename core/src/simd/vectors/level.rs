@@ -1,8 +1,6 @@
 //! The level of some vectors, whatever the instruction set.
 
-use super::encode::{
-    MINIMA, OWNERS, above, numbers, outside, put_three, second, smallest, three, turned, zeros,
-};
+use super::encode::{OUTWARDS, OWNERS, above, numbers, outside, put_three, second, smallest, three, zeros};
 use super::fours::{HALVES, keep, limit, pick};
 use super::operations::{Half, HalfOf, Halves, NO_BYTE, Vectors, ends, operations, places};
 use super::overlaps::eight_overlap;
@@ -11,7 +9,7 @@ use crate::geometry::key::{AHEAD, AROUND, KeyBox, KeyFour, POSITIVE_INFINITY, SH
 use crate::geometry::line::{Crossing, Walk};
 use crate::geometry::record::{Frame, Record};
 use crate::id::{Index, Pair};
-use crate::simd::{Contact, EIGHT, Row, Simd, WINDOW, each_overlap, query_lanes, row_lanes};
+use crate::simd::{Contact, EIGHT, Row, Simd, each_overlap, query_lanes, row_lanes};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Level<W>(W);
@@ -56,7 +54,7 @@ impl<W: Halves> Simd for Level<W> {
 
     const ENCODES_FOUR: bool = true;
 
-    const TESTS_SOME_PAIRS: bool = W::TESTS_SOME_PAIRS;
+    const MORE_CODE: bool = W::MORE_CODE;
 
     #[inline(always)]
     fn call<R>(self, work: impl FnOnce() -> R) -> R {
@@ -68,13 +66,25 @@ impl<W: Halves> Simd for Level<W> {
         above(a: W::Vector, b: W::Vector) -> u32 = this.0.six(this.0.above32(a, b));
         axis(axis: usize) -> [HalfOf<W>; 2] =
             [high_bytes(this.0, row_lanes(axis)), high_bytes(this.0, query_lanes(axis))];
-        window(rows: &[Row; WINDOW], count: usize, query: W::Vector) -> u64 = this.0.window(rows, count, query);
     }
 
     #[inline(always)]
-    fn encode_four(self, boxes: Boxes<'_>, held: &KeyFour, old: &KeyFour, new: &mut KeyFour) -> Option<u32> {
+    fn window<const N: usize>(self, rows: &[Row; N], count: usize, query: W::Vector) -> u64 {
+        self.0.window(rows, count, query)
+    }
+
+    #[inline(always)]
+    fn encode_four(
+        self,
+        boxes: Boxes<'_>,
+        held: Option<&KeyFour>,
+        old: &KeyFour,
+        new: &mut KeyFour,
+    ) -> Option<u32> {
         let w = self.0;
         let [a, b, c] = numbers(w, boxes)?;
+        let (infinity, magnitude) = (w.splat(POSITIVE_INFINITY as u32), w.splat(i32::MAX as u32));
+        let largest = w.upper32(w.upper32(w.and(a, magnitude), w.and(b, magnitude)), w.and(c, magnitude));
         let (a, b, c) = (w.keys(a), w.keys(b), w.keys(c));
         let [old_a, old_b, old_c] = three(w, bytemuck::cast_ref(old));
         // The minima and the maxima of the first box, then of the second one. Nothing behind them counts.
@@ -83,9 +93,16 @@ impl<W: Halves> Simd for Level<W> {
         let second = above(w, minima, maxima);
         let upside_down = w.and(w.or(first, second), w.words([u32::MAX, u32::MAX, u32::MAX, 0]));
         // No key of an object is above +infinity, but the first one of an empty box is.
-        let empty = above(w, w.upper32(old_a, old_b), w.splat(POSITIVE_INFINITY as u32));
-        let [left, middle, right] = outside(w, [a, b, c], held);
-        if w.any(w.or(w.or(upside_down, empty), w.or(w.or(left, middle), right))) {
+        let empty = above(w, w.upper32(old_a, old_b), infinity);
+        // Bounds hold no NaN either.
+        let beyond = match held {
+            Some(held) => {
+                let [a, b, c] = outside(w, [a, b, c], held);
+                w.or(w.or(a, b), c)
+            }
+            None => above(w, largest, infinity),
+        };
+        if w.any(w.or(w.or(upside_down, empty), beyond)) {
             return None;
         }
         put_three(w, [a, b, c], new);
@@ -115,7 +132,10 @@ impl<W: Halves> Simd for Level<W> {
         let w = self.0;
         let (now, old) = (three(w, bytemuck::cast_ref(now)), three(w, bytemuck::cast_ref(old)));
         let (shortest, most) = (w.splat(SHORTEST.to_bits()), w.splat(f32::MAX.to_bits()));
-        let size = if predicts { smallest(w, now) } else { w.splat(0) };
+        let [a, b, c] = now;
+        let floats = [w.floats(a), w.floats(b), w.floats(c)];
+        // No motion is at most zero and at least the shortest one.
+        let size = if predicts { smallest(w, floats) } else { w.splat(0) };
         let margins = w.shuffle(
             w.both(bytemuck::cast_ref(margins)),
             w.pick(&places([0, 1, 0, 1]), &places([2, 3, 2, 3])),
@@ -124,18 +144,15 @@ impl<W: Halves> Simd for Level<W> {
         let around = w.and(w.at_most(shortest, around), around);
         let mut to = now;
         for k in 0..3 {
-            let (owners, inwards) = (w.both(&places(OWNERS[k])), w.words(MINIMA[k]));
+            let (owners, outwards) = (w.both(&places(OWNERS[k])), w.words(OUTWARDS[k]));
             let (size, around) = (w.shuffle(size, owners), w.shuffle(around, owners));
-            let side = turned(w, now[k], inwards);
-            let now = w.floats(side);
-            let mut reach = around;
-            if predicts {
-                let step = w.subtract(now, w.floats(turned(w, old[k], inwards)));
-                let goes_on = w.and(w.at_most(shortest, step), w.at_most(step, size));
-                reach = w.add(w.and(goes_on, w.multiply(step, w.splat(AHEAD.to_bits()))), around);
-            }
-            let moved = w.minimum(w.add(now, reach), most);
-            to[k] = turned(w, w.upper32(w.keys(moved), side), inwards);
+            let now = w.xor(floats[k], w.and(outwards, w.splat(1 << 31)));
+            let step = w.subtract(now, w.floats(w.turned(old[k], outwards)));
+            let goes_on = w.and(w.at_most(shortest, step), w.at_most(step, size));
+            let ahead = w.and(goes_on, w.multiply(step, w.splat(AHEAD.to_bits())));
+            let moved = w.minimum(w.add(now, w.add(ahead, around)), most);
+            let side = w.upper32(w.keys(moved), w.turned(to[k], outwards));
+            to[k] = w.turned(side, outwards);
         }
         put_three(w, to, made);
     }
@@ -155,12 +172,12 @@ impl<W: Halves> Simd for Level<W> {
         // Boxes are read with what is behind them, which the last one has not. Asked once for all pairs,
         // since a branch for each eight takes half as long again as the tests.
         let mut most = 0;
-        if W::TESTS_SOME_PAIRS {
+        if W::MORE_CODE {
             for slot in eights.as_flattened().as_flattened() {
                 most = most.max(slot.slot());
             }
         }
-        if !W::TESTS_SOME_PAIRS || most as usize + 1 >= boxes.len() {
+        if !W::MORE_CODE || most as usize + 1 >= boxes.len() {
             return each_overlap(self, boxes, pairs);
         }
         let mut bits = 0;
@@ -316,8 +333,7 @@ impl<W: Halves> Simd for Level<W> {
         let [[origin, _], [scale, _]]: [&[[u8; 16]; 2]; 2] =
             [&frame.origin, &frame.scale].map(bytemuck::cast_ref);
         let at = w.multiply(w.subtract(w.floats(w.halved(keys)), w.both(origin)), w.both(scale));
-        let [minima, maxima] = w.split(at);
-        let lanes = h.shuffle(h.steps16(minima, maxima), h.load(&SIX_LANES));
+        let lanes = h.shuffle(w.steps16(at), h.load(&SIX_LANES));
         // Maxima are complemented. The tag's place is zero.
         let mut bytes = [0; 16];
         h.store(&mut bytes, h.xor(lanes, h.words([0, 0xffff_0000, u32::MAX, tag])));

@@ -1,7 +1,7 @@
 //! The operations that an instruction set must offer.
 
 use crate::geometry::key::KeyBox;
-use crate::simd::{Row, WINDOW};
+use crate::simd::Row;
 
 /// Calls another macro with the operations whose operands and results are all vectors.
 macro_rules! of_vectors {
@@ -76,8 +76,8 @@ pub(crate) trait Vectors: Copy + Send + Sync {
         Self::GUARANTEED
     }
 
-    /// Whether candidates are tested four at a time, and boxes of pairs eight. It takes more code.
-    const TESTS_SOME_PAIRS: bool = true;
+    /// As [`Simd::MORE_CODE`](crate::simd::Simd::MORE_CODE).
+    const MORE_CODE: bool = true;
 
     /// A vector in registers, the first byte lowest.
     type Vector: Copy;
@@ -103,13 +103,17 @@ pub(crate) trait Vectors: Copy + Send + Sync {
         self.any(self.and(a, self.words([u32::MAX, u32::MAX, u32::MAX, 0])))
     }
 
+    /// Numbers with the other sign where `ways` are below zero. Where these are zero, a number must be zero, too.
+    #[inline(always)]
+    fn turned(self, a: Self::Vector, ways: Self::Vector) -> Self::Vector {
+        let negative = self.above32(self.splat(0), ways);
+        self.minus32(self.xor(a, negative), negative)
+    }
     /// The keys of `f32`: see [`key`](crate::geometry::key::key).
     #[inline(always)]
     fn keys(self, a: Self::Vector) -> Self::Vector {
-        let negative = self.above32(self.splat(0), a);
         // The magnitude with the sign, which turns -0.0 into zero.
-        let magnitude = self.and(a, self.splat(i32::MAX as u32));
-        self.minus32(self.xor(magnitude, negative), negative)
+        self.turned(self.and(a, self.splat(i32::MAX as u32)), a)
     }
     /// The `f32` of keys.
     #[inline(always)]
@@ -128,8 +132,7 @@ pub(crate) trait Half: Vectors {
     fn even32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// The second and the last word of `a` and of `b`.
     fn odd32(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// Lanes of 16 bits: the whole parts of numbers, first of `a`. What is below zero or NaN gives
-    /// zero, what is above 65,535 that.
+    /// As [`Halves::steps16`], first of `a`.
     fn steps16(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// A mask of 16 bytes, one for each four of four vectors: whether none is below the query's.
     fn reached(self, rows: [Self::Vector; 4], query: Self::Vector) -> Self::Vector;
@@ -178,12 +181,15 @@ pub(crate) trait Halves: Vectors {
     fn halved(self, sides: Self::Vector) -> Self::Vector;
     /// The bits of a mask of six such lanes, as in [`Simd::above`](crate::simd::Simd::above).
     fn six(self, mask: Self::Vector) -> u32;
+    /// Lanes of 16 bits: the whole parts of numbers. What is below zero or NaN gives zero, what is above 65,535
+    /// that.
+    fn steps16(self, a: Self::Vector) -> HalfOf<Self>;
     /// A bit for each lane of a mask of 32 bits.
     fn bits8(self, mask: Self::Vector) -> u32;
     /// Whether lanes of 64 bits are zero, a bit each.
     fn zeros64(self, a: Self::Vector) -> u32;
     /// As [`Simd::window`](crate::simd::Simd::window).
-    fn window(self, rows: &[Row; WINDOW], count: usize, query: Self::Vector) -> u64;
+    fn window<const N: usize>(self, rows: &[Row; N], count: usize, query: Self::Vector) -> u64;
 
     /// The lanes of 64 bits whose bit is set.
     fn kept64(self, a: Self::Vector, mask: u32, to: &mut [[u8; 16]; 2]);

@@ -63,8 +63,7 @@ impl Vectors for Sse41 {
         upper32(a, b) = _mm_max_epi32(a, b);
         minus32(a, b) = _mm_sub_epi32(a, b);
         magnitude32(a) = _mm_abs_epi32(a);
-        // The magnitude with the sign, which turns -0.0 into zero.
-        keys(a) = _mm_sign_epi32(_mm_and_si128(a, _mm_set1_epi32(i32::MAX)), a);
+        turned(a, ways) = _mm_sign_epi32(a, ways);
         add(a, b) = _mm_castps_si128(_mm_add_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         subtract(a, b) = _mm_castps_si128(_mm_sub_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));
         multiply(a, b) = _mm_castps_si128(_mm_mul_ps(_mm_castsi128_ps(a), _mm_castsi128_ps(b)));

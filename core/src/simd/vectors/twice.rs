@@ -3,7 +3,7 @@
 use super::fours;
 use super::operations::{Half, HalfOf, Halves, Vectors, ends, of_vectors, operations, places};
 use crate::geometry::key::KeyBox;
-use crate::simd::{Row, WINDOW};
+use crate::simd::Row;
 
 /// Vectors of two registers of an instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ impl<V: Half> Vectors for Twice<V> {
         V::detect().map(Self)
     }
 
-    const TESTS_SOME_PAIRS: bool = V::TESTS_SOME_PAIRS;
+    const MORE_CODE: bool = V::MORE_CODE;
 
     type Vector = (V::Vector, V::Vector);
 
@@ -50,7 +50,7 @@ impl<V: Half> Vectors for Twice<V> {
 
     of_vectors!(on_both);
 
-    on_both! { keys(a); }
+    on_both! { turned(a, ways); }
 }
 
 impl<V: Half> Halves for Twice<V> {
@@ -60,6 +60,7 @@ impl<V: Half> Halves for Twice<V> {
         half() -> V = this.0;
         halved(sides) = (sides.0, this.0.shuffle(sides.1, this.0.load(&places([1, 2, 3, 0]))));
         six(mask) -> u32 = this.0.bits4(mask.0) | this.0.bits4(mask.1) << 2;
+        steps16(a) -> HalfOf<Self> = this.0.steps16(a.0, a.1);
         bits8(mask) -> u32 = this.0.bits4(mask.0) | this.0.bits4(mask.1) << 4;
         zeros64(a) -> u32 = this.0.bits4(this.0.equal32(this.0.join16(a.0, a.1), this.0.splat(0)));
     }
@@ -83,14 +84,14 @@ impl<V: Half> Halves for Twice<V> {
     }
 
     #[inline(always)]
-    fn window(self, rows: &[Row; WINDOW], count: usize, (query, _): Self::Vector) -> u64 {
+    fn window<const N: usize>(self, rows: &[Row; N], count: usize, (query, _): Self::Vector) -> u64 {
         let v = self.0;
-        let rows: &[[[u8; 16]; 4]; 4] = bytemuck::cast_ref(rows);
-        let mut masks = [query; 4];
-        for (mask, [a, b, c, d]) in masks.iter_mut().zip(rows) {
+        let mut masks = [v.splat(0); 4];
+        for (mask, rows) in masks.iter_mut().zip(rows.as_flattened().as_chunks::<64>().0) {
+            let [a, b, c, d]: &[[u8; 16]; 4] = bytemuck::cast_ref(rows);
             *mask = v.reached([v.load(a), v.load(b), v.load(c), v.load(d)], query);
         }
-        let below = if count >= WINDOW { u64::MAX } else { !(u64::MAX << count) };
+        let below = if count >= N { u64::MAX } else { !(u64::MAX << count) };
         v.bits64(masks) & below
     }
 
