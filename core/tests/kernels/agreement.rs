@@ -158,7 +158,7 @@ fn rows<S: Simd>(simd: S, rounds: &mut Rounds<'_>) {
     rounds.check([
         ("row", simd.row(simd.axis(axis), &record) == Scalar.row(axis, &record)),
         ("window", simd.window(&rows, count, query) == Scalar.window(&rows, count, least)),
-        ("half a window", simd.window(half, count, query) == Scalar.window(half, count, least)),
+        ("half_window", simd.window(half, count, query) == Scalar.window(half, count, least)),
     ]);
 }
 
