@@ -184,7 +184,8 @@ impl Sizes {
 
     /// Words with a bit for each two slots, for events.
     pub(crate) const fn met(&self) -> usize {
-        if_so(EVENTS && self.config.events && self.is_small(), row_of_bits(self.objects))
+        // Not told for others: 32 bits do not suffice for so many slots.
+        if EVENTS && self.config.events && self.is_small() { row_of_bits(self.objects) } else { 0 }
     }
 
     /// Records of all leaves. They are read in groups of eight, also behind the last leaf.
