@@ -202,7 +202,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("pairs", 605),
     ("parallel", 483),
     ("query", 1157),
-    ("simd", 1963),
+    ("simd", 1964),
     ("snapshot", 598),
     ("step", 728),
     ("sweep", 1374),

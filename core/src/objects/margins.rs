@@ -19,7 +19,7 @@ pub(crate) struct FatBoxes<'o> {
     pub(crate) rule: FatRule,
 }
 
-/// How boxes get others around them.
+/// How boxes get others around them, and how many left these.
 #[derive(Clone, Copy)]
 pub(crate) struct FatRule {
     /// Whether margins are part of the boxes that are reported, not of fat boxes alone.

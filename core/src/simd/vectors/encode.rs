@@ -92,7 +92,8 @@ pub(super) fn outside<W: Halves>(w: W, keys: [W::Vector; 3], held: &KeyFour) -> 
 /// Which of the two boxes of a half the words of these vectors are of.
 pub(super) const OWNERS: [[u8; 4]; 3] = [[0; 4], [0, 0, 1, 1], [1; 4]];
 
-/// The smallest side of each of the two boxes of a half that is neither flat nor unbounded; zero if none is.
+/// The smallest side of each of the two boxes of a half, by their numbers, that is neither flat nor unbounded;
+/// zero if none is.
 #[inline(always)]
 pub(super) fn smallest<W: Halves>(w: W, [a, b, c]: [W::Vector; 3]) -> W::Vector {
     let [minima, maxima] = second(w, b, c);
