@@ -3,6 +3,7 @@
 use bytemuck::Pod;
 use core::fmt;
 use core::num::NonZeroU64;
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering::Relaxed};
 
 /// Names one object while it lives: a slot and the generation of that slot.
 ///
@@ -59,7 +60,12 @@ impl fmt::Display for Id {
 }
 
 mod sealed {
-    pub trait Sealed {}
+    /// How workers share a slice of it.
+    pub trait Sealed: Sized {
+        type Atomic: Sync;
+        fn store_to(self, to: &Self::Atomic);
+        fn load_from(from: &Self::Atomic) -> Self;
+    }
 }
 
 /// The width of slots in a world. `u16` halves their memory in worlds of up to 65,534 objects.
@@ -83,8 +89,16 @@ pub trait Index:
 }
 
 macro_rules! index {
-    ($type:ty, $most:expr) => {
-        impl sealed::Sealed for $type {}
+    ($type:ty, $atomic:ty, $most:expr) => {
+        impl sealed::Sealed for $type {
+            type Atomic = $atomic;
+            fn store_to(self, to: &$atomic) {
+                to.store(self, Relaxed);
+            }
+            fn load_from(from: &$atomic) -> Self {
+                from.load(Relaxed)
+            }
+        }
 
         impl Index for $type {
             const NONE: Self = Self::MAX;
@@ -99,8 +113,8 @@ macro_rules! index {
         }
     };
 }
-index!(u16, 65_534);
-index!(u32, 1 << 27);
+index!(u16, AtomicU16, 65_534);
+index!(u32, AtomicU32, 1 << 27);
 
 /// Two overlapping objects by slot, the lower one first.
 pub type Pair<I = u32> = [I; 2];

@@ -1,7 +1,7 @@
 //! Computes how many items of each kind a world has.
 
 use super::limits::{
-    CHUNK, FEW, SLOT_BLOCKS, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row, row_of_bits,
+    BUCKET, CHUNK, FEW, SMALL, SUB_LEVELS, TINY, depth_for, histogram_row, row_of_bits, slot_blocks,
 };
 use super::scratch;
 use crate::config::{Config, EVENTS, FILTERS, LISTS, MARGINS, Mode, TREE, VALUES};
@@ -193,8 +193,25 @@ impl Sizes {
         if_so(TREE && self.tree > 0, self.tree + self.tree / 8 + 4 * self.leaves + EIGHT)
     }
 
+    /// Slots in the scratch memory of a step: as many as objects in a world that is not large, else a byte for
+    /// each object.
+    pub(crate) const fn spare<I>(&self) -> usize {
+        let (all, some) = (self.tree, self.tree.div_ceil(size_of::<I>()));
+        if_so(
+            TREE,
+            if all < BUCKET {
+                all
+            } else if some < BUCKET {
+                BUCKET
+            } else {
+                some
+            },
+        )
+    }
+
     pub(crate) const fn histogram(&self) -> usize {
-        if_so(TREE && self.tree > 0, SLOT_BLOCKS * histogram_row(self.whole_leaves))
+        let (counts, ends) = (slot_blocks(self.workers) * histogram_row(self.whole_leaves), self.leaves + 2);
+        if_so(TREE && self.tree > 0, if counts > ends { counts } else { ends })
     }
 
     /// Where sections start: on a cache line, or in small worlds, which have no tree, where any item may.

@@ -26,9 +26,6 @@ impl Cell {
 
     pub(crate) const ALL: Self = Self::new([i32::MIN; 3], [Self::RIM; 3], [Self::RIM; 3]);
 
-    /// Holds nothing.
-    pub(crate) const NOWHERE: Self = Self::new([i32::MAX; 3], [i32::MIN; 3], [i32::MAX; 3]);
-
     pub(crate) const fn new(low: [i32; 3], high: [i32; 3], far: [i32; 3]) -> Self {
         Self { from: KeyBox { min: low, max: far }, until: KeyBox { min: high, max: high } }
     }
@@ -100,7 +97,7 @@ impl Classification {
     }
 }
 
-/// Where the records and straddlers of a leaf are.
+/// Where the records of a leaf are.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Leaf {
@@ -110,15 +107,14 @@ pub(crate) struct Leaf {
     pub(crate) len: u32,
     /// Records that fit before the next leaf's.
     pub(crate) room: u32,
-    /// First straddler.
-    pub(crate) straddler_start: u32,
-    /// Straddlers.
-    pub(crate) straddler_len: u32,
-    /// Its count when no plane could divide it, or zero.
-    pub(crate) stuck: u32,
-    /// The axis that the leaf is swept along.
-    pub(crate) axis: u32,
-    pub(crate) unused: u32,
+}
+
+/// Where the straddlers of a leaf are.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct Straddling {
+    pub(crate) start: u32,
+    pub(crate) len: u32,
 }
 
 /// A node of the tree: its plane, and what is below it.

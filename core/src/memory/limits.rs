@@ -57,9 +57,14 @@ pub(crate) const NEIGHBOURS_SAMPLE: usize = 32;
 /// Rows whose windows are compared in one pass. A power of two, so that an index into a list needs no check.
 pub(crate) const ROWS: usize = 256;
 
-/// Slots in a block of the passes over so many.
-pub(crate) fn block_len(slots: usize) -> usize {
-    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
+/// The blocks of slots that so many workers take, in passes that count for each block by itself.
+pub(crate) const fn slot_blocks(workers: usize) -> usize {
+    if workers > 1 { SLOT_BLOCKS } else { 1 }
+}
+
+/// Slots in each of so many blocks.
+pub(crate) fn block_len(slots: usize, blocks: usize) -> usize {
+    slots.div_ceil(blocks).next_multiple_of(SLOTS_PER_BLOCK).max(SLOTS_PER_BLOCK)
 }
 
 /// Entries of one block's histogram: up to two numbers of each leaf, and one more.

@@ -35,8 +35,8 @@ macro_rules! sections {
             /// With events and without a tree: a bit for each two slots, set for the pairs of the last complete
             /// result.
             met: &'m mut [u32] = [u32; s.met()], new 0;
-            /// With a tree: scratch memory of a step, for slots and what else is as wide.
-            spare: &'m mut [I] = [I; if_so(TREE, s.tree)], used 0;
+            /// With a tree: scratch memory of a step, a byte for each object or more.
+            spare: &'m mut [I] = [I; s.spare::<I>()], used 0;
             /// The leaf that holds the object's record, or [`Index::LARGE`], or [`Index::NONE`].
             home: &'m mut [I] = [I; if_so(TREE, s.tree)], new I::NONE;
             /// The position of the record in its leaf, or in the list of large objects.
@@ -110,10 +110,14 @@ macro_rules! sections {
                 /// By leaf, while it is divided: the planes between its sub-leaves, numbered as in a heap
                 /// from one on.
                 planes: &'m mut [i32] = [i32; if_so(TREE, s.leaves)], used s.leaves;
-                /// By leaf.
-                cells: &'m mut [Cell] = [Cell; if_so(TREE, s.leaves)], used s.leaves;
+                /// By leaf of a full step.
+                cells: &'m mut [Cell] = [Cell; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
                 /// By leaf of a full step. Its sub-leaves share it.
                 frames: &'m mut [Frame] = [Frame; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
+                /// By leaf of a full step: its count when no plane could divide it, or zero.
+                stuck: &'m mut [u32] = [u32; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
+                /// By leaf of a full step. Its sub-leaves have none.
+                straddling: &'m mut [Straddling] = [Straddling; if_so(TREE, s.whole_leaves)], used s.whole_leaves;
                 /// By leaf.
                 leaves: &'m mut [Leaf] = [Leaf; if_so(TREE, s.leaves)], new Leaf::default();
                 /// By leaf, while leaves are divided: a box around its members, as a record in their frame.

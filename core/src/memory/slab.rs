@@ -1,7 +1,7 @@
 //! The slab of a world, divided into slices for the layers that own them: see [`sections`].
 
 use super::layout::{ALIGN, Sizes, if_so, reports_margins, section};
-use super::leaf::{Cell, Leaf, Nodes, Split, Straddler};
+use super::leaf::{Cell, Leaf, Nodes, Split, Straddler, Straddling};
 use super::limits::CHUNK;
 use super::scratch::{self, cut_off};
 use super::sections::sections;

@@ -62,7 +62,7 @@ fn ingest_blocks<I: Index>(
     (slots, regrows): (usize, bool),
     context: StepContext<'_>,
 ) -> Intake {
-    let len = block_len(slots);
+    let len = block_len(slots, SLOT_BLOCKS);
     let Objects { now, given, fat: all, mut moved, mut changed, before, resting, .. } = parts.objects();
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (

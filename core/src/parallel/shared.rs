@@ -7,7 +7,7 @@ use crate::access::{Access, note_fault};
 use crate::id::Index;
 use bytemuck::Pod;
 use core::marker::PhantomData;
-use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
+use core::sync::atomic::Ordering::Relaxed;
 
 // The widest integer that the target stores in one piece. On other targets such an atomic may need a wider
 // alignment than the integer.
@@ -67,23 +67,31 @@ impl<'a, T: Pod> Shared<'a, T> {
     }
 }
 
-/// The same for slots, which are as wide as one or two halves.
-#[derive(Clone, Copy)]
-pub(crate) struct SharedSlots<'a>(&'a [AtomicU16]);
+/// The same for slots.
+pub(crate) struct SharedSlots<'a, I: Index>(&'a [I::Atomic]);
 
-impl<'a> SharedSlots<'a> {
-    pub(crate) fn new<I: Index>(slots: &'a mut [I]) -> Self {
-        let halves = bytemuck::try_cast_slice_mut::<I, u16>(slots).unwrap_or_default();
-        // SAFETY: as above; the atomic is aligned as the integer on every target.
-        Self(unsafe { &*(core::ptr::from_mut(halves) as *const [AtomicU16]) })
+// Derived, it would ask for a copy of the atomic.
+impl<I: Index> Copy for SharedSlots<'_, I> {}
+impl<I: Index> Clone for SharedSlots<'_, I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<'a, I: Index> SharedSlots<'a, I> {
+    pub(crate) fn new(slots: &'a mut [I]) -> Self {
+        const { assert!(align_of::<I::Atomic>() == align_of::<I>() && size_of::<I::Atomic>() == size_of::<I>()) };
+        // SAFETY: as above.
+        Self(unsafe { &*(core::ptr::from_mut(slots) as *const [I::Atomic]) })
     }
 
     /// Writes a slot. Does nothing beyond the slice.
-    pub(crate) fn store<I: Index>(&self, index: usize, slot: I) {
-        let width = size_of::<I>() / 2;
-        let halves = self.0.get(index * width..index * width + width).unwrap_or_default();
-        for (half, piece) in halves.iter().zip(bytemuck::bytes_of(&slot).chunks_exact(2)) {
-            half.store(bytemuck::pod_read_unaligned(piece), Relaxed);
-        }
+    pub(crate) fn store(&self, index: usize, slot: I) {
+        self.0.get(index).into_iter().for_each(|to| slot.store_to(to));
+    }
+
+    /// A slot, which no other worker writes; or zero.
+    pub(crate) fn load(&self, index: usize) -> I {
+        self.0.get(index).map_or(I::zeroed(), I::load_from)
     }
 }

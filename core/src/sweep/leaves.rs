@@ -16,7 +16,7 @@ use crate::memory::state::TreeState;
 use crate::simd::{MINIMA, Simd, call};
 use crate::tree::large::Large;
 use crate::tree::visit::Visit;
-use crate::tree::{Frame, Leaf, Nodes, Record, Straddler};
+use crate::tree::{Frame, Leaf, Nodes, Record, Straddler, Straddling};
 use core::ops::Range;
 
 /// What sweeps read of the tree.
@@ -48,7 +48,7 @@ impl<'g> TreeView<'g> {
             visit.start(simd, index);
             while let Some(other) = visit.next(simd) {
                 if other != index {
-                    let Leaf { straddler_start: start, straddler_len: len, .. } = self.tree.leaves.at(other);
+                    let Straddling { start, len } = self.tree.straddling.at(other);
                     gathered.add(self.tree.straddlers.span(start as usize, len as usize));
                 }
             }
@@ -110,6 +110,8 @@ struct Swept<'g, 'k> {
     kinds: &'k Kinds<'k>,
     index: usize,
     leaf: Leaf,
+    /// Which one it is swept along.
+    axis: usize,
 }
 
 #[inline(always)]
@@ -121,7 +123,8 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
     scratch: &mut Scratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
-    let swept = Swept { tree_view, kinds, index, leaf: tree_view.tree.leaves.at(index) };
+    let axis = tree_view.tree.frames.get(index).map_or(0, Frame::longest_axis);
+    let swept = Swept { tree_view, kinds, index, leaf: tree_view.tree.leaves.at(index), axis };
     let members = swept.leaf.members(tree_view.tree.records);
     let ghosts = tree_view.gather(simd, index, 0, scratch.ghosts);
     scratch.leaf_scratch.work.copies += ghosts as u64;
@@ -139,7 +142,7 @@ pub(crate) fn sweep_leaf<S: Simd, I: Index>(
             return;
         }
     }
-    let (all, along) = ((|_, _: &_| 0, true), (swept.leaf.axis as usize, tree_view.boxes));
+    let (all, along) = ((|_, _: &_| 0, true), (swept.axis, tree_view.boxes));
     // Its runs take no stack below tiles.
     let leaf_scratch = &mut scratch.leaf_scratch;
     call!(simd, bucket::sweep::<{ bucket::WHOLE }, S, I>(simd, buckets, all, along, leaf_scratch, sink));
@@ -155,14 +158,14 @@ fn sweep_passes<S: Simd, I: Index>(
     leaf_scratch: &mut LeafScratch<'_, I>,
     sink: &mut Sink<'_, I>,
 ) {
-    let Swept { tree_view: TreeView { boxes, .. }, kinds, leaf, .. } = swept;
+    let Swept { tree_view: TreeView { boxes, .. }, kinds, axis, .. } = swept;
     call!(simd, {
         for number in 0..LONE {
             let Some(Pass { sides, within }) = plan.pass(number, across) else { continue };
             let side = |bucket: usize, record: &Record| {
                 sides.as_flattened().at(bucket * CODES + kinds.code(record)).into()
             };
-            let (parts, along) = ((side, within), (leaf.axis as usize, *boxes));
+            let (parts, along) = ((side, within), (axis, *boxes));
             bucket::sweep::<{ bucket::PARTS }, S, I>(simd, buckets, parts, along, leaf_scratch, sink);
         }
     });

@@ -13,7 +13,7 @@ use super::{Cell, Leaf, Nodes, Split, Straddler, large, leaf_of, most};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row};
+use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row, slot_blocks};
 use crate::memory::slab::{Parts, TreeParts};
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
@@ -32,8 +32,8 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let counted = count_in(parts, leaves, context);
     let counted_in = parts.tree.leaves.span_mut(0, leaves);
     counted_in.iter_mut().for_each(|leaf| leaf.len = 0);
-    let row = histogram_row(leaves);
-    for histogram in parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row).chunks_exact_mut(row.max(1)) {
+    let (blocks, row) = (slot_blocks(context.workers), histogram_row(leaves));
+    for histogram in parts.tree.histogram.span_mut(0, blocks * row).chunks_exact_mut(row.max(1)) {
         for (leaf, members) in counted_in.iter_mut().zip(histogram) {
             leaf.len += core::mem::replace(members, leaf.len);
         }
@@ -56,12 +56,12 @@ pub(crate) fn coarsen<I: Index>(parts: &mut Parts<'_, I>) {
 
 fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepContext<'_>) -> (KeyBox, u32) {
     let slots = parts.state.objects.slots as usize;
-    let len = block_len(slots);
-    let row = histogram_row(leaves);
+    let (blocks, row) = (slot_blocks(context.workers), histogram_row(leaves));
+    let len = block_len(slots, blocks);
     let boxes = parts.boxes.swept();
     let (splits, cells) = (&*parts.tree.splits, parts.tree.cells.span(0, leaves));
     let mut found = [(KeyBox::EMPTY, 0); SLOT_BLOCKS];
-    let histogram = parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row);
+    let histogram = parts.tree.histogram.span_mut(0, blocks * row);
     histogram.fill(0);
     let blocks = (
         Chunks::new(parts.home.span_mut(0, slots), len),
@@ -138,14 +138,16 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &KeyBox, context:
         record += leaf.room;
     }
     // Where the large objects of each block go: to the end of the array, until the number of straddlers is known.
-    for count in parts.tree.histogram.iter_mut().take(SLOT_BLOCKS * row).skip(leaves).step_by(row) {
+    for count in
+        parts.tree.histogram.iter_mut().take(slot_blocks(context.workers) * row).skip(leaves).step_by(row)
+    {
         large += core::mem::replace(count, large);
     }
     if !large::fit(parts, 0, large) {
         return false;
     }
     parts.state.tree.extent = *extent;
-    frame(parts.tree.cells.span(0, leaves), extent, parts.tree.frames, parts.tree.leaves);
+    frame(parts.tree.cells.span(0, leaves), extent, parts.tree.frames);
     let list = parts.tree.straddlers.len() - large as usize;
     scatter(parts, leaves, list, context);
     let straddlers = number_straddlers(parts, context);
@@ -163,8 +165,8 @@ pub(crate) fn fill<I: Index>(parts: &mut Parts<'_, I>, extent: &KeyBox, context:
 /// Writes records, and the large objects, from a straddler on.
 fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, list: usize, context: StepContext<'_>) {
     let slots = parts.state.objects.slots as usize;
-    let len = block_len(slots);
-    let row = histogram_row(leaf_count);
+    let (blocks, row) = (slot_blocks(context.workers), histogram_row(leaf_count));
+    let len = block_len(slots, blocks);
     let boxes = parts.boxes.swept();
     let homes = &*parts.home;
     let (cells, frames, leaves) =
@@ -173,7 +175,7 @@ fn scatter<I: Index>(parts: &mut Parts<'_, I>, leaf_count: usize, list: usize, c
     let (records, straddlers) = (Shared::new(parts.tree.records), Shared::new(parts.tree.straddlers));
     let blocks = (
         Chunks::new(parts.place.span_mut(0, slots), len),
-        Chunks::new(parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row), row),
+        Chunks::new(parts.tree.histogram.span_mut(0, blocks * row), row),
     );
     context.each(blocks, |block, (places, histogram)| {
         let first = block * len;

@@ -10,7 +10,7 @@ use super::{most, planned};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::{SLOT_BLOCKS, block_len, depth_for, histogram_row};
+use crate::memory::limits::{block_len, depth_for, histogram_row, slot_blocks};
 use crate::memory::slab::Parts;
 use crate::memory::state::{State, TreeState};
 use crate::parallel::block_queue::Chunks;
@@ -44,8 +44,8 @@ pub(crate) fn balance<I: Index>(
 ) -> u32 {
     let (count, most) = (parts.state.tree.count as usize, most(parts.state));
     let (mut members, mut fullest) = (0, 0);
-    for leaf in parts.tree.leaves.span_mut(0, count) {
-        let is_full = u64::from(leaf.len) > most && leaf.len > leaf.stuck + leaf.stuck / 2;
+    for (leaf, stuck) in parts.tree.leaves.span_mut(0, count).iter_mut().zip(&*parts.tree.stuck) {
+        let is_full = u64::from(leaf.len) > most && leaf.len > stuck + stuck / 2;
         leaf.start = if is_full { members } else { STAYS };
         members += if is_full { leaf.len } else { 0 };
         fullest = fullest.max(if is_full { leaf.len } else { 0 });
@@ -85,9 +85,9 @@ pub(crate) fn balance<I: Index>(
 fn list_members<I: Index>(parts: &mut Parts<'_, I>, count: usize, context: StepContext<'_>) {
     let Parts { tree, home, state, .. } = parts;
     let (slots, row) = (state.objects.slots as usize, histogram_row(count));
-    let (leaves, len) = (tree.leaves.span_mut(0, count), block_len(slots));
+    let (leaves, len) = (tree.leaves.span_mut(0, count), block_len(slots, slot_blocks(context.workers)));
     let (list, starts) = (SharedSlots::new(as_slots::<I>(tree.records)), &*leaves);
-    let histogram = tree.histogram.span_mut(0, SLOT_BLOCKS * row);
+    let histogram = tree.histogram.span_mut(0, slot_blocks(context.workers) * row);
     let blocks = (Chunks::new(home.span_mut(0, slots), len), Chunks::new(histogram, row));
     context.each(blocks, |block, (homes, histogram)| {
         for (slot, home) in (block * len..).zip(homes) {
@@ -111,14 +111,14 @@ pub(crate) fn review<I: Index>(parts: &mut Parts<'_, I>) {
     let state = &mut parts.state.tree;
     (state.leaves_in_use, state.fullest_leaf, state.uneven) = (0, 0, 0);
     let mut freed = false;
-    for leaf in parts.tree.leaves.span_mut(0, leaves) {
+    for (leaf, stuck) in parts.tree.leaves.span(0, leaves).iter().zip(&mut *parts.tree.stuck) {
         state.leaves_in_use += u32::from(leaf.len > 0);
         state.fullest_leaf = state.fullest_leaf.max(leaf.len);
         if u64::from(leaf.len) > most {
-            if leaf.stuck > 0 && state.wait == 0 {
-                (leaf.stuck, freed) = (0, true);
+            if *stuck > 0 && state.wait == 0 {
+                (*stuck, freed) = (0, true);
             }
-            state.uneven |= u8::from(leaf.len > leaf.stuck + leaf.stuck / 2);
+            state.uneven |= u8::from(leaf.len > *stuck + *stuck / 2);
         }
     }
     if freed {

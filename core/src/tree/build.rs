@@ -69,8 +69,8 @@ pub(super) fn divide<I: Index>(parts: &mut Parts<'_, I>, index: usize, most: u64
         }
         fits &= plane == UNSPLIT;
         let stuck = if is_full { (len * share) as u32 } else { 0 };
-        let before = if number == index { leaf } else { Leaf::default() };
-        tree.leaves.put(number, Leaf { stuck, ..before });
+        tree.leaves.put(number, if number == index { leaf } else { Leaf::default() });
+        tree.stuck.put(number, stuck);
         set_leaf(tree.splits, tree.tops, node, number);
         number = free;
         free += 1;

@@ -1,7 +1,7 @@
-//! Computes cells, frames and sweep axes from planes, and finds where most objects are.
+//! Computes cells and frames from planes, and finds where most objects are.
 
 use super::limits::{FAR, OUTLIERS, SPARSE, SPREAD_SAMPLE};
-use super::{Cell, Frame, Leaf, Nodes, UNSPLIT, axis_of, key_of};
+use super::{Cell, Frame, Nodes, UNSPLIT, axis_of, key_of};
 use crate::access::Access;
 use crate::geometry::key::{KeyBox, key, length, value};
 use crate::parallel::block_queue::Chunks;
@@ -147,10 +147,9 @@ pub(crate) fn divide(planes: &[i32], levels: u32, cells: &mut [Cell]) {
     }
 }
 
-/// Makes the frame and the sweep axis of each leaf, from the bounds of minima. O(leaves).
-pub(crate) fn frame(cells: &[Cell], extent: &KeyBox, frames: &mut [Frame], leaves: &mut [Leaf]) {
-    for ((cell, frame), leaf) in cells.iter().zip(frames).zip(leaves) {
+/// Makes the frame of each leaf, from the bounds of minima. O(leaves).
+pub(crate) fn frame(cells: &[Cell], extent: &KeyBox, frames: &mut [Frame]) {
+    for (cell, frame) in cells.iter().zip(frames) {
         *frame = Frame::over(&extent.clip(cell));
-        leaf.axis = frame.longest_axis() as u32;
     }
 }

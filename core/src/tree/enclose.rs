@@ -1,6 +1,6 @@
 //! Makes the boxes of nodes, and lists straddlers by the marks of records.
 
-use super::{Record, Straddler};
+use super::{Record, Straddler, Straddling};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -12,18 +12,16 @@ use crate::parallel::shared::Shared;
 /// Says where the straddlers of each leaf will be, by the marks of the records. Returns how many there are.
 /// O(records).
 pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
-    let records = &*parts.tree.records;
-    let leaves = parts.tree.leaves.span_mut(0, parts.state.tree.count as usize);
-    context.each(Chunks::new(leaves, 1), |_, leaves| {
-        for leaf in leaves {
-            let marks = leaf.members(records).iter().map(|record| record.tag / Record::STRADDLES % 2);
-            leaf.straddler_len = marks.sum();
-        }
+    let (records, leaves) = (&*parts.tree.records, &*parts.tree.leaves);
+    let straddling = parts.tree.straddling.span_mut(0, parts.state.tree.count as usize);
+    context.each(Chunks::new(&mut *straddling, 1), |leaf, straddling| {
+        let marks = leaves.at(leaf).members(records).iter().map(|record| record.tag / Record::STRADDLES % 2);
+        straddling.fill(Straddling { start: 0, len: marks.sum() });
     });
     let mut start = 0;
-    for leaf in parts.tree.leaves.span_mut(0, parts.state.tree.count as usize) {
-        leaf.straddler_start = start;
-        start += leaf.straddler_len;
+    for straddling in straddling {
+        straddling.start = start;
+        start += straddling.len;
     }
     start
 }
@@ -33,11 +31,12 @@ pub(crate) fn number_straddlers<I: Index>(parts: &mut Parts<'_, I>, context: Ste
 pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) {
     let (boxes, tree, count) = (parts.boxes.swept(), &mut parts.tree, parts.state.tree.count as usize);
     tree.boxes.span_mut(0, 2 * count).fill(KeyBox::NOTHING);
-    let (leaves, cells, tops) = (&*tree.leaves, &*tree.cells, tree.tops.span(0, count));
+    let (leaves, straddling) = (&*tree.leaves, &*tree.straddling);
+    let (cells, tops) = (&*tree.cells, tree.tops.span(0, count));
     let (records, nodes, list) = (&*tree.records, Shared::new(tree.boxes), Shared::new(tree.straddlers));
     context.each(count, |index, ()| {
         let (leaf, mut around) = (leaves.at(index), cells.at(index).inside());
-        let mut at = leaf.straddler_start as usize;
+        let mut at = straddling.at(index).start as usize;
         for members in leaf.members(records).chunks(64) {
             // Noted for all of them first, since which ones straddle is hard to predict.
             let marks = members.iter().map(|record| record.tag / Record::STRADDLES % 2);

@@ -6,12 +6,12 @@
 //! pair.
 
 use super::enclose::{enclose, number_straddlers};
-use super::relocate::relocate_all;
-use super::{Cell, Frame, Leaf, Record, Split, large, leaf_of};
+use super::relocate::{relocate_all, thirds};
+use super::{Cell, Frame, Leaf, Record, Split, Straddler, large, leaf_of};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::{SLOT_BLOCKS, histogram_row};
+use crate::memory::limits::{SLOT_BLOCKS, histogram_row, slot_blocks};
 use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
@@ -54,8 +54,8 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
 }
 
 /// Slots in a block: half of those of other passes at least, as a slot takes longer here.
-fn rewritten_len(slots: usize) -> usize {
-    slots.div_ceil(SLOT_BLOCKS).next_multiple_of(512).max(512)
+fn rewritten_len(slots: usize, blocks: usize) -> usize {
+    slots.div_ceil(blocks).next_multiple_of(512).max(512)
 }
 
 /// Writes the records of all objects that are still in their leaf, and lists the leavers, new and removed ones
@@ -63,28 +63,32 @@ fn rewritten_len(slots: usize) -> usize {
 ///
 /// Each block of slots has a row of the histogram: for each leaf the first one that comes and the first hole,
 /// and at last the first one that is to be moved alone, as it is or was in no leaf; all plus one, as zero ends
-/// a list. The next one stands in the scratch memory, by slot, and in the record of a hole.
+/// a list. The next one stands where the place of an object does, in the entry of a large one, and in the
+/// record of a hole.
 fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
-    let (len, row) = (rewritten_len(slots), histogram_row(count));
-    let (boxes, places, moved) = (parts.boxes.swept(), &*parts.place, &*parts.moved.words);
+    let (blocks, row) = (slot_blocks(context.workers), histogram_row(count));
+    let len = rewritten_len(slots, blocks);
+    let (boxes, moved) = (parts.boxes.swept(), &*parts.moved.words);
     let leaves = parts.tree.leaves.span(0, count);
     let tree = (&*parts.tree.cells, &*parts.tree.frames, &*parts.tree.splits, leaves);
-    let records = Shared::new(parts.tree.records);
+    let large =
+        parts.tree.straddlers.span_mut(parts.state.tree.large_list(), parts.state.tree.large as usize);
+    let (records, large) = (Shared::new(parts.tree.records), Shared::new(large));
     let mut left = [0; SLOT_BLOCKS];
     let blocks = (
         Chunks::new(parts.home.span_mut(0, slots), len),
-        Chunks::new(parts.spare.span_mut(0, slots), len),
-        Chunks::new(parts.tree.histogram.span_mut(0, SLOT_BLOCKS * row), row),
+        Chunks::new(parts.place.span_mut(0, slots), len),
+        Chunks::new(parts.tree.histogram.span_mut(0, blocks * row), row),
         Chunks::new(&mut left, 1),
     );
-    context.each(blocks, |block, (homes, next, lists, left)| {
+    context.each(blocks, |block, (homes, places, lists, left)| {
         let (first, count) = (block * len, homes.len());
         lists.fill(0);
-        let slots = (boxes.span(first, count), homes, places.span(first, count));
+        let slots = (boxes.span(first, count), homes, places);
         let first = (first, moved.span(first / 32, count.div_ceil(32)));
-        let lists = (next, lists);
-        left.fill(run!(context.kernels, |simd| rewrite_block(simd, first, slots, tree, records, lists)));
+        let shared = (records, large);
+        left.fill(run!(context.kernels, |simd| rewrite_block(simd, first, slots, tree, shared, lists)));
     });
     left.iter().sum()
 }
@@ -94,10 +98,10 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
 fn rewrite_block<S: Simd, I: Index>(
     simd: S,
     (first, moved): (usize, &[u32]),
-    (boxes, homes, places): (&[KeyBox], &mut [I], &[I]),
+    (boxes, homes, places): (&[KeyBox], &mut [I], &mut [I]),
     (cells, frames, splits, leaves): (&[Cell], &[Frame], &[Split], &[Leaf]),
-    records: Shared<'_, Record>,
-    (next, lists): (&mut [I], &mut [u32]),
+    (records, large): (Shared<'_, Record>, Shared<'_, Straddler>),
+    lists: &mut [u32],
 ) -> u32 {
     // Of one length, so that one check of an index serves all.
     let (Some(cells), Some(frames)) = (cells.get(..leaves.len()), frames.get(..leaves.len())) else {
@@ -105,16 +109,16 @@ fn rewrite_block<S: Simd, I: Index>(
     };
     let (lists, [alone]) = lists.as_chunks_mut::<2>() else { return 0 };
     let mut left = 0;
-    let words = boxes.chunks(32).zip(homes.chunks_mut(32)).zip(places.chunks(32)).zip(moved);
+    let words = boxes.chunks(32).zip(homes.chunks_mut(32)).zip(places.chunks_mut(32)).zip(moved);
     // From the last one on, so that lists are in ascending order.
     for (word, (((boxes, homes), places), moved)) in words.enumerate().rev() {
         let at = 32 * word;
         // Noted for all of them first, since who leaves is hard to predict.
         let mut leavers = 0u32;
         let len = boxes.len();
-        let (Some(held), Some(places)) = (homes.get(..len), places.get(..len)) else { return left };
+        let (Some(held), Some(known)) = (homes.get(..len), places.get(..len)) else { return left };
         for bit in bits::of_word(*moved) {
-            let (Some(bounds), Some(home), Some(place)) = (boxes.get(bit), held.get(bit), places.get(bit))
+            let (Some(bounds), Some(home), Some(place)) = (boxes.get(bit), held.get(bit), known.get(bit))
             else {
                 break;
             };
@@ -149,14 +153,21 @@ fn rewrite_block<S: Simd, I: Index>(
                 records.store((leaf.start + *hole - 1) as usize, &record);
                 homes.put(bit, I::NONE);
             }
-            let list = match lists.get_mut(goal) {
-                Some([comers, _]) if home != I::LARGE && !is_large && !bounds.is_empty() => {
-                    homes.put(bit, I::from_slot(goal as u32));
-                    comers
-                }
-                _ => &mut *alone,
-            };
-            next.put(at + bit, I::from_slot(core::mem::replace(list, (first + at + bit) as u32 + 1)));
+            let this = (first + at + bit) as u32 + 1;
+            if home == I::LARGE {
+                let place = places.at(bit).at();
+                let next = core::mem::replace(alone, this);
+                large.store(place, &Straddler { slot: next, ..large.load(place) });
+            } else if !bounds.is_empty() {
+                let list = match lists.get_mut(goal) {
+                    Some([comers, _]) if !is_large => {
+                        homes.put(bit, I::from_slot(goal as u32));
+                        comers
+                    }
+                    _ => &mut *alone,
+                };
+                places.put(bit, I::from_slot(core::mem::replace(list, this)));
+            }
         }
     }
     left
@@ -165,28 +176,35 @@ fn rewrite_block<S: Simd, I: Index>(
 /// Moves the leavers that [`rewrite`] has listed. Returns whether there was room.
 fn settle<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
     let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
-    let row = histogram_row(count);
-    let lists = parts.tree.histogram.span(0, slots.div_ceil(rewritten_len(slots)) * row);
+    let (blocks, row) = (slot_blocks(context.workers), histogram_row(count));
+    let blocks = slots.div_ceil(rewritten_len(slots, blocks));
+    let lists = parts.tree.histogram.span(0, blocks * row);
     let rows = || lists.chunks_exact(row.max(1));
-    let (boxes, next, places) = (parts.boxes.swept(), &*parts.spare, SharedSlots::new(parts.place));
+    let (boxes, places) = (parts.boxes.swept(), SharedSlots::new(parts.place));
     let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
     let records = Shared::new(parts.tree.records);
     let leaves = parts.tree.leaves.span_mut(0, count);
     context.each(Chunks::new(leaves, 1), |index, leaves| {
         for leaf in leaves {
             let firsts = [0, 1].map(|which| rows().map(move |row| row.at(2 * index + which)));
-            let (tree, arrays) = ((&cells.at(index), &frames.at(index)), (boxes, next, places));
+            let (tree, arrays) = ((&cells.at(index), &frames.at(index)), (boxes, places));
             run!(context.kernels, |simd| settle_leaf(simd, leaf, tree, firsts, arrays, records));
         }
     });
     let fits = leaves.iter().all(|leaf| leaf.len <= leaf.room);
-    let mut alone = 0;
+    let ([movers, ..], mut alone) = (thirds(parts.spare), 0);
+    let large =
+        parts.tree.straddlers.span_mut(parts.state.tree.large_list(), parts.state.tree.large as usize);
     for mut link in rows().map(|row| row.at(2 * count)) {
         while let Some(slot) = link.checked_sub(1) {
-            // In ascending order: the place by slot is not before the one that it gets.
-            link = parts.spare.at(slot as usize).slot();
-            parts.spare.put(alone, I::from_slot(slot));
-            alone += 1;
+            let Some(mover) = movers.get_mut(alone) else { return false };
+            (*mover, alone) = (I::from_slot(slot), alone + 1);
+            link = parts.place.at(slot as usize).slot();
+            if parts.home.at(slot as usize) == I::LARGE
+                && let Some(entry) = large.get_mut(link as usize)
+            {
+                link = core::mem::replace(&mut entry.slot, slot);
+            }
         }
     }
     fits && relocate_all(parts, alone, context)
@@ -200,11 +218,11 @@ fn settle_leaf<S: Simd, I: Index>(
     leaf: &mut Leaf,
     (cell, frame): (&Cell, &Frame),
     [comers, holes]: [impl Iterator<Item = u32>; 2],
-    (boxes, next, places): (&[KeyBox], &[I], SharedSlots<'_>),
+    (boxes, places): (&[KeyBox], SharedSlots<'_, I>),
     records: Shared<'_, Record>,
 ) {
     let start = leaf.start;
-    let mut comers = linked(comers, |slot| next.at(slot as usize).slot());
+    let mut comers = linked(comers, |slot| places.load(slot as usize).slot());
     let after = |hole| records.load((start + hole) as usize).tag & !Record::HOLE;
     // No more than there can be, whatever the memory holds.
     let mut holes = linked(holes, after).take(leaf.len as usize);

@@ -29,7 +29,7 @@ pub(crate) mod subdivide;
 pub(crate) mod visit;
 
 pub(crate) use crate::geometry::record::{Frame, Record};
-pub(crate) use crate::memory::leaf::{Cell, Leaf, Nodes, Split, Straddler, first_of_eight};
+pub(crate) use crate::memory::leaf::{Cell, Leaf, Nodes, Split, Straddler, Straddling, first_of_eight};
 
 use crate::access::Access;
 use crate::id::Index;
@@ -78,9 +78,13 @@ impl Corner {
     }
 }
 
-/// The leaf or sub-leaf whose cell holds a minimum corner.
+/// The leaf or sub-leaf that holds a minimum corner.
 pub(crate) fn home_of(tree: &TreeParts<'_>, state: &State, min: &[i32; 3]) -> usize {
-    let whole = leaf_of(tree.splits, min);
+    home_within(tree, state, leaf_of(tree.splits, min), min)
+}
+
+/// The same where the leaf of a full step is known.
+fn home_within(tree: &TreeParts<'_>, state: &State, whole: usize, min: &[i32; 3]) -> usize {
     let part = if state.tree.is_subdivided(whole) { sub_leaf_of(tree.planes, whole, min) } else { 0 };
     whole << state.tree.sub_levels() | part
 }

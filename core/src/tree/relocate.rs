@@ -1,7 +1,7 @@
 //! Moves the records of moved objects to their leaves, one by one (paper, section III.B.2).
 
 use super::enclose::expand_ancestors;
-use super::{Cell, Frame, Leaf, Straddler, home_of, large, most};
+use super::{Cell, Frame, Leaf, Straddler, home_within, large, leaf_of, most};
 use crate::access::Access;
 use crate::filter::offer;
 use crate::geometry::key::KeyBox;
@@ -31,8 +31,10 @@ pub(crate) fn relocate_all<I: Index>(
         for (slot, leaf) in movers.iter().skip(block * MOVERS_PER_BLOCK).zip(leaves) {
             let (min, home) = (&KeyBox::of(boxes, slot.at()).min, all.at(slot.at()));
             let holds = |cell: &Cell| (0..3).all(|k| (cell.low()[k]..cell.high()[k]).contains(&min[k]));
-            let stays = tree.cells.get(home.at()).is_some_and(holds);
-            *leaf = if stays { home } else { I::from_slot(home_of(tree, state, min) as u32) };
+            let whole = home.at() >> state.tree.sub_levels();
+            let stays = home < I::LARGE && tree.cells.get(whole).is_some_and(holds);
+            let whole = if stays { whole } else { leaf_of(tree.splits, min) };
+            *leaf = I::from_slot(home_within(tree, state, whole, min) as u32);
         }
     });
     run!(context.kernels, |simd| {
@@ -59,7 +61,9 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) 
         return true;
     }
     let (stays, leaf, keys) = (leaf == home, leaf.at(), simd.keys(&bounds));
-    let classified = parts.tree.cells.get(leaf).unwrap_or(&Cell::NOWHERE).classify(simd, keys);
+    let sub_levels = parts.state.tree.sub_levels();
+    let whole = leaf >> sub_levels;
+    let classified = parts.tree.cells.at(whole).classify(simd, keys);
     if classified.is_large() {
         let mut place = parts.place.at(slot).at();
         if home != I::LARGE {
@@ -81,8 +85,6 @@ fn relocate<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, index: usize) 
         }
     }
     let at = parts.tree.leaves.at(leaf).start as usize + parts.place.at(slot).at();
-    let sub_levels = parts.state.tree.sub_levels();
-    let whole = leaf >> sub_levels;
     let frame = parts.tree.frames.get(whole).unwrap_or(&Frame::NONE);
     let record = simd.record(frame, keys, slot as u32 | classified.marks());
     parts.tree.records.put(at, record);

@@ -10,6 +10,7 @@ use crate::memory::state::TreeState;
 pub(crate) fn plant(tree: &mut TreeParts<'_>, state: &mut TreeState) {
     (state.count, state.due, state.heavy, state.filled, state.unweighed) = (1, 0, 0, 0, 1);
     tree.leaves.put(0, Leaf::default());
+    tree.stuck.put(0, 0);
     // There is no node above the root.
     tree.parents.put(0, 0);
     set_leaf(tree.splits, tree.tops, 1, 0);
@@ -69,6 +70,7 @@ fn release(tree: &mut TreeParts<'_>, state: &mut TreeState, pair: usize, leaf: u
     }
     if leaf != last {
         tree.leaves.put(leaf, tree.leaves.at(last));
+        tree.stuck.put(leaf, tree.stuck.at(last));
         let node = tree.tops.at(last) as usize;
         set_leaf(tree.splits, tree.tops, node, leaf);
     }

@@ -25,9 +25,8 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
         let members = records.span(leaf.start as usize, leaf.len as usize);
         frame.fill(narrow(boxes, &extent, &cells.at(index), members));
     });
-    for ((cell, frame), leaf) in cells.iter().zip(&*tree.frames).zip(&mut *tree.leaves) {
+    for ((cell, frame), leaf) in cells.iter().zip(&*tree.frames).zip(leaves) {
         if *frame != Frame::over(&extent.clip(cell)) {
-            leaf.axis = frame.longest_axis() as u32;
             let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
             run!(context.kernels, |simd| for record in members {
                 let bounds = KeyBox::of(boxes, record.slot() as usize);

@@ -7,9 +7,9 @@
 //! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are
 //! empty. Divided leaves have no straddlers: only a full step gathers ghosts.
 
-use super::cells::{divide, evenly};
+use super::cells::evenly;
 use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
-use super::{Cell, Leaf, Record, SUB_LEAVES, UNSPLIT, plane, renumber, sub_leaf_of};
+use super::{Leaf, Record, SUB_LEAVES, UNSPLIT, plane, renumber, sub_leaf_of};
 use crate::access::Access;
 use crate::filter::offer;
 use crate::geometry::key::{KeyBox, length};
@@ -45,11 +45,9 @@ fn number_anew<I: Index>(parts: &mut Parts<'_, I>) {
     // From the back, so that each is read before it is overwritten.
     for index in (0..leaves).rev() {
         let first = index * SUB_LEAVES;
-        let (cell, leaf) = (tree.cells.at(index), tree.leaves.at(index));
+        let leaf = tree.leaves.at(index);
         let end = Leaf { start: leaf.start + leaf.room, ..Leaf::default() };
-        tree.cells.span_mut(first, SUB_LEAVES).fill(Cell::NOWHERE);
         tree.leaves.span_mut(first, SUB_LEAVES).fill(end);
-        tree.cells.put(first, cell);
         tree.leaves.put(first, leaf);
         tree.bounds.span_mut(first, SUB_LEAVES).fill(Record::NOTHING);
         tree.bounds.put(first, Record::EVERYTHING);
@@ -95,47 +93,51 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     let boxes = parts.boxes.swept();
     let tree = &mut parts.tree;
     make_planes(tree, boxes, &leaf, whole);
-    divide(tree.planes.span(first, SUB_LEAVES), SUB_LEVELS, tree.cells.span_mut(first, SUB_LEAVES));
     let frame = tree.frames.at(whole);
 
-    let count = leaf.len as usize;
-    let slots = parts.spare.span_mut(0, count);
-    let mut lens = [0u32; SUB_LEAVES];
-    for (record, to) in leaf.members(tree.records).iter().zip(&mut *slots) {
-        *to = I::from_slot(record.slot());
-        let bounds = KeyBox::of(boxes, record.slot() as usize);
-        let sub = sub_leaf_of(tree.planes, whole, &bounds.min);
-        parts.home.put(to.at(), I::from_slot((first + sub) as u32));
-        if let Some(len) = lens.get_mut(sub) {
-            *len += 1;
+    let members = tree.records.span_mut(leaf.start as usize, leaf.len as usize);
+    let mut ends = [0; SUB_LEAVES];
+    for slot in members.iter().map(|record| record.slot() as usize) {
+        let sub = sub_leaf_of(tree.planes, whole, &KeyBox::of(boxes, slot).min);
+        parts.home.put(slot, I::from_slot((first + sub) as u32));
+        let members = ends.at(sub) + 1;
+        ends.put(sub, members);
+    }
+    let lens = ends;
+    let mut next = [0; SUB_LEAVES];
+    for sub in 1..SUB_LEAVES {
+        next[sub] = ends[sub - 1];
+        ends[sub] += ends[sub - 1];
+    }
+    // Each record changes places with the next one of its sub-leaf.
+    for (sub, end) in ends.iter().enumerate() {
+        while next.at(sub) < *end {
+            let at = next.at(sub);
+            let home = parts.home.at(members.at(at).slot() as usize).at() - first;
+            let place = next.at(home);
+            members.swap_at(at, place);
+            next.put(home, place + 1);
         }
     }
-    let spare = leaf.room - leaf.len;
-    let mut start = leaf.start;
-    for (sub, len) in lens.iter().enumerate() {
-        let mut sub_leaf = tree.leaves.at(first + sub);
-        // The last one gets what does not divide equally.
-        let is_last = sub + 1 == SUB_LEAVES;
-        let room = if is_last { leaf.start + leaf.room - start } else { len + spare / SUB_LEAVES as u32 };
-        (sub_leaf.start, sub_leaf.len, sub_leaf.room) = (start, 0, room);
-        (sub_leaf.straddler_start, sub_leaf.straddler_len) = (0, 0);
-        start += sub_leaf.room;
-        tree.leaves.put(first + sub, sub_leaf);
-    }
+    // The last one first, as records move up: each gets an equal share of the free room, the last one the rest.
+    let share = (leaf.room - leaf.len) as usize / SUB_LEAVES;
     let mut bounds = [Record::NOTHING; SUB_LEAVES];
-    for slot in &*slots {
-        let index = parts.home.at(slot.at()).at();
-        let mut sub_leaf = tree.leaves.at(index);
-        let keys = simd.keys(KeyBox::of(boxes, slot.at()));
-        let record = simd.record(&frame, keys, slot.slot());
-        if let Some(bounds) = bounds.get_mut(index - first) {
+    let mut end = (leaf.start + leaf.room) as usize;
+    for (sub, (len, bounds)) in lens.into_iter().zip(&mut bounds).enumerate().rev() {
+        let from = leaf.start as usize + ends.at(sub) - len;
+        let start = from + sub * share;
+        for place in (0..len).rev() {
+            let slot = tree.records.at(from + place).slot();
+            let keys = simd.keys(KeyBox::of(boxes, slot as usize));
+            let record = simd.record(&frame, keys, slot);
             bounds.include(&record);
-            bounds.tag |= offer(parts.filters.of, slot.at());
+            bounds.tag |= offer(parts.filters.of, slot as usize);
+            tree.records.put(start + place, record);
+            parts.place.put(slot as usize, I::from_slot(place as u32));
         }
-        tree.records.put((sub_leaf.start + sub_leaf.len) as usize, record);
-        parts.place.put(slot.at(), I::from_slot(sub_leaf.len));
-        sub_leaf.len += 1;
-        tree.leaves.put(index, sub_leaf);
+        let [start, len, room] = [start, len, end - start].map(|count| count as u32);
+        tree.leaves.put(first + sub, Leaf { start, len, room });
+        end = start as usize;
     }
     tree.bounds.span_mut(first, SUB_LEAVES).copy_in(&bounds);
 }

@@ -4,11 +4,10 @@ use crate::access::{Access, bits};
 use crate::filter::offer;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
-use crate::memory::limits::SUB_LEVELS;
 use crate::memory::slab::Parts;
 use crate::simd::{EIGHT, Simd as _, scalar::Scalar};
 use crate::snapshot::check::{Invalid, check};
-use crate::tree::cells::{cell_of, divide};
+use crate::tree::cells::cell_of;
 use crate::tree::large::Large;
 use crate::tree::{Record, SUB_LEAVES, axis_of, home_of, plane};
 
@@ -138,15 +137,10 @@ fn large<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
 /// The cells are as the planes say.
 fn cells<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     let (state, tree) = (&parts.state.tree, &parts.tree);
-    for whole in 0..state.count as usize {
-        let mut cells = [cell_of(tree.nodes(), tree.tops.at(whole) as usize); SUB_LEAVES];
-        let levels = if state.is_subdivided(whole) { SUB_LEVELS } else { 0 };
-        divide(tree.planes.span(whole * SUB_LEAVES, SUB_LEAVES), levels, &mut cells);
-        for (part, cell) in cells.iter().enumerate().take(1 << levels) {
-            let known = tree.cells.at((whole << state.sub_levels()) + part);
-            let same = (cell.low(), cell.high()) == (known.low(), known.high());
-            check(same, "a cell is not that of its planes", whole)?;
-        }
+    for leaf in 0..state.count as usize {
+        let (known, cell) = (tree.cells.at(leaf), cell_of(tree.nodes(), tree.tops.at(leaf) as usize));
+        let same = (cell.low(), cell.high()) == (known.low(), known.high());
+        check(same, "a cell is not that of its planes", leaf)?;
     }
     Ok(())
 }

@@ -4,6 +4,8 @@ use crate::access::Access;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::key::{KeyBox, NEGATIVE_INFINITY, POSITIVE_INFINITY, value};
 use crate::id::{Id, Index};
+use crate::memory::limits::SUB_LEVELS;
+use crate::memory::slab::TreeParts;
 use crate::tree::cells::{cell_of, divide};
 use crate::tree::{Cell, SUB_LEAVES, UNSPLIT, axis_of, key_of};
 use crate::world::World;
@@ -37,9 +39,13 @@ impl<I: Index> World<'_, I> {
     /// The leaves. [`Stats::leaves`](crate::Stats::leaves) also counts empty ones that are nowhere. O(leaves).
     #[doc(alias("debug_draw", "debug_render"))]
     pub fn leaves(&self) -> impl Iterator<Item = LeafView> + '_ {
-        let tree = &self.parts.tree;
-        let count = if self.has_tree() { self.parts.state.leaves() as usize } else { 0 };
-        let all = (0..count).map(|leaf| (tree.cells.at(leaf), tree.leaves.at(leaf).len));
+        let (state, tree) = (&self.parts.state.tree, &self.parts.tree);
+        let count = if self.has_tree() { state.count as usize } else { 0 };
+        let all = (0..count).flat_map(move |whole| {
+            let levels = if state.is_subdivided(whole) { SUB_LEVELS } else { 0 };
+            let (cells, first) = (parts_of(tree, whole, levels), whole << state.sub_levels());
+            (0..1 << levels).map(move |part| (cells.at(part), tree.leaves.at(first + part).len))
+        });
         // What was not worth a division has no upper part.
         let somewhere = all.filter(|(cell, _)| cell.low()[0] < i32::MAX);
         somewhere.map(|(cell, objects)| LeafView { cell: shown(cell), objects })
@@ -58,11 +64,9 @@ impl<I: Index> World<'_, I> {
         let below = divided.flat_map(move |whole| {
             (1..SUB_LEAVES).map(move |node| {
                 let level = node.ilog2();
-                let top = nodes.tops.at(whole) as usize;
-                let mut cells = [cell_of(nodes, top); SUB_LEAVES];
-                let planes = tree.planes.span(whole * SUB_LEAVES, SUB_LEAVES);
-                divide(planes, level, &mut cells);
-                (planes.at(node), cells.at(node - (1 << level)), nodes.depth(top) + level)
+                let depth = nodes.depth(nodes.tops.at(whole) as usize) + level;
+                let cell = parts_of(tree, whole, level).at(node - (1 << level));
+                (tree.planes.at(whole * SUB_LEAVES + node), cell, depth)
             })
         });
         inner.chain(below).filter(|(plane, _, _)| key_of(*plane) != UNSPLIT).map(|(plane, cell, depth)| {
@@ -74,6 +78,13 @@ impl<I: Index> World<'_, I> {
     pub fn large(&self) -> impl Iterator<Item = Id> + '_ {
         self.large_in_tree().filter_map(|slot| self.id_of(slot))
     }
+}
+
+/// The cells of a leaf of a full step, by planes of so many levels below it.
+fn parts_of(tree: &TreeParts<'_>, whole: usize, levels: u32) -> [Cell; SUB_LEAVES] {
+    let mut cells = [tree.cells.at(whole); SUB_LEAVES];
+    divide(tree.planes.span(whole * SUB_LEAVES, SUB_LEAVES), levels, &mut cells);
+    cells
 }
 
 /// Sides beyond all floats are infinite.

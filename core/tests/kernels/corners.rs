@@ -76,7 +76,8 @@ fn set_planes(world: &mut World<'_, u16>, levels: [usize; LEVELS]) {
         }
         tree.count = 2 * nodes;
     }
-    parts.tree.leaves.fill(Leaf { stuck: 1 << 30, ..Leaf::default() });
+    parts.tree.leaves.fill(Leaf::default());
+    parts.tree.stuck.fill(1 << 30);
     parts.home.fill(u16::NONE);
     (tree.wait, parts.state.step.kept) = (u8::MAX, 0);
 }
