@@ -117,25 +117,29 @@ pub(crate) struct Straddling {
     pub(crate) len: u32,
 }
 
-/// A node of the tree: its plane, and what is below it.
+/// A node of the tree: its plane, and what is below it. A leaf is below itself, so a walk of fixed length ends
+/// in one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Split {
+    /// The plane; or the number of a leaf, above an [axis](Self::AXIS) that does not occur.
     pub(crate) plane: i32,
-    /// The left one of its two children, an even number; or the number of a leaf, marked by [`LEAF`].
+    /// The left one of its two children, an even number; or the leaf's own node.
     pub(crate) below: u32,
 }
 
-/// The mark of a node that is a leaf.
-pub(crate) const LEAF: u32 = 1 << 31;
-
 impl Split {
-    pub(crate) const fn leaf(leaf: usize) -> Self {
-        Self { plane: 0, below: LEAF | leaf as u32 }
+    /// The low bits of a plane hold its axis.
+    pub(crate) const AXIS: i32 = 3;
+
+    /// A leaf at a node.
+    pub(crate) const fn leaf(leaf: usize, node: usize) -> Self {
+        Self { plane: (leaf as i32) << 2 | Self::AXIS, below: node as u32 }
     }
 
+    /// Its number, if it is a leaf.
     pub(crate) const fn as_leaf(self) -> Option<usize> {
-        if self.below & LEAF == 0 { None } else { Some((self.below & !LEAF) as usize) }
+        if self.plane & Self::AXIS == Self::AXIS { Some((self.plane >> 2) as usize) } else { None }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::id::{Id, Index};
 use crate::simd::kernels::run;
 use crate::simd::{EIGHT, Simd};
 use crate::tree::visit::Probe;
-use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
+use crate::tree::{Frame, first_of_eight, sub_leaves_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -165,7 +165,7 @@ fn visit_along<S: Simd, I: Index>(
     cast: &Cast,
     visit: &mut dyn FnMut(Hit) -> f64,
 ) -> ControlFlow<()> {
-    let home = world.has_tree().then(|| leaf_of(world.parts.tree.splits, &cast.start.min.map(key)));
+    let home = world.leaf_in_tree(&cast.start.min.map(key));
     let line = &Line::new(&cast.start, cast.direction, cast.distance);
     let (far, along) = (line.distance, &Walk::new(line));
     walk(simd, world, home, OnLine { world, line, walk: along, far, until: along.time(far), visit })

@@ -24,7 +24,7 @@ use crate::memory::slab::Parts;
 use crate::simd::{Simd, call, limit};
 use crate::tree::large::Large;
 use crate::tree::visit::{Probe, Visit};
-use crate::tree::{Frame, Record, sub_leaves_of};
+use crate::tree::{Frame, Record, leaf_of, sub_leaves_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -32,6 +32,12 @@ impl<I: Index> World<'_, I> {
     /// Whether the tree holds every object that has not changed since the last step.
     pub(crate) fn has_tree(&self) -> bool {
         cfg!(feature = "large") && self.parts.state.tree.filled != 0
+    }
+
+    /// The leaf of a full step that holds a minimum corner, if there is a tree.
+    pub(crate) fn leaf_in_tree(&self, min: &[i32; 3]) -> Option<usize> {
+        let planes = (&*self.parts.tree.splits, self.parts.state.tree.height);
+        self.has_tree().then(|| leaf_of(planes, min))
     }
 
     /// The large objects in the tree that have not changed.

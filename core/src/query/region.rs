@@ -10,7 +10,7 @@ use crate::id::{Id, Index};
 use crate::simd::kernels::run;
 use crate::simd::{Simd, limit};
 use crate::tree::visit::Probe;
-use crate::tree::{Frame, first_of_eight, leaf_of, sub_leaves_of};
+use crate::tree::{Frame, first_of_eight, sub_leaves_of};
 use crate::world::World;
 use core::ops::ControlFlow;
 
@@ -207,7 +207,7 @@ impl<I: Index> World<'_, I> {
         volume: Option<&dyn Volume>,
         visit: &mut dyn FnMut(Id) -> ControlFlow<()>,
     ) {
-        let home = self.has_tree().then(|| leaf_of(self.parts.tree.splits, &bounds.min));
+        let home = self.leaf_in_tree(&bounds.min);
         let search = InRegion { world: self, boxes, bounds, volume, visit };
         let _ = run!(self.kernels, |simd| walk(simd, self, home, search));
     }

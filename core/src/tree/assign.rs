@@ -10,7 +10,7 @@ use super::enclose::{enclose, number_straddlers};
 use super::shape::join;
 use super::sharpen::sharpen;
 use super::{Cell, Leaf, Nodes, Split, Straddler, large, leaf_of, most};
-use crate::access::Access;
+use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row, slot_blocks};
@@ -29,6 +29,9 @@ pub(crate) fn count<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>
     let (leaves, extent) = (parts.state.tree.count as usize, parts.state.tree.extent);
     let TreeParts { boxes, splits, parents, tops, cells, .. } = &mut parts.tree;
     cut(Nodes { boxes, splits, parents, tops }, &extent, cells.span_mut(0, leaves), context);
+    let nodes = parts.tree.nodes();
+    let depths = nodes.tops.span(0, leaves).iter().map(|top| nodes.depth(*top as usize));
+    parts.state.tree.height = depths.max().unwrap_or(0) as u16;
     let counted = count_in(parts, leaves, context);
     let counted_in = parts.tree.leaves.span_mut(0, leaves);
     counted_in.iter_mut().for_each(|leaf| leaf.len = 0);
@@ -59,7 +62,8 @@ fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepCont
     let (blocks, row) = (slot_blocks(context.workers), histogram_row(leaves));
     let len = block_len(slots, blocks);
     let boxes = parts.boxes.swept();
-    let (splits, cells) = (&*parts.tree.splits, parts.tree.cells.span(0, leaves));
+    let planes = (&*parts.tree.splits, parts.state.tree.height);
+    let cells = parts.tree.cells.span(0, leaves);
     let mut found = [(KeyBox::EMPTY, 0); SLOT_BLOCKS];
     let histogram = parts.tree.histogram.span_mut(0, blocks * row);
     histogram.fill(0);
@@ -70,7 +74,7 @@ fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepCont
     );
     context.each(blocks, |block, (homes, histogram, found)| {
         let boxes = boxes.span(block * len, homes.len());
-        found.fill(run!(context.kernels, |simd| count_block(simd, boxes, homes, splits, cells, histogram)));
+        found.fill(run!(context.kernels, |simd| count_block(simd, boxes, homes, planes, cells, histogram)));
     });
     let (mut extent, mut left) = (KeyBox::EMPTY, 0);
     for (part, leavers) in &found {
@@ -85,7 +89,7 @@ fn count_block<S: Simd, I: Index>(
     simd: S,
     boxes: &[KeyBox],
     homes: &mut [I],
-    splits: &[Split],
+    planes: (&[Split], u16),
     cells: &[Cell],
     histogram: &mut [u32],
 ) -> (KeyBox, u32) {
@@ -94,30 +98,37 @@ fn count_block<S: Simd, I: Index>(
         return (KeyBox::EMPTY, 0);
     };
     let (mut extent, mut left) = (KeyBox::EMPTY, 0);
-    for (bounds, home) in boxes.iter().zip(homes) {
-        if bounds.is_empty() {
-            *home = I::NONE;
-            continue;
+    for (boxes, homes) in boxes.chunks(32).zip(homes.chunks_mut(32)) {
+        // Noted for all of them first, since who leaves is hard to predict.
+        let mut leavers = 0u32;
+        for (bit, (bounds, home)) in boxes.iter().zip(&*homes).enumerate() {
+            let mut stays = false;
+            if let (Some(cell), Some(members)) = (cells.get(home.at()), counts.get_mut(home.at())) {
+                stays = cell.classify(simd, simd.keys(bounds)).is_member();
+                *members += u32::from(stays);
+            }
+            leavers |= u32::from(!stays) << bit;
         }
-        let keys = simd.keys(bounds);
-        let leaf = home.at();
-        if let (Some(cell), Some(members)) = (cells.get(leaf), counts.get_mut(leaf))
-            && cell.classify(simd, keys).is_member()
-        {
-            extent.include(&KeyBox::point(bounds.min));
-            *members += 1;
-            continue;
+        for bit in bits::of_word(!leavers & u32::MAX >> (32 - boxes.len())) {
+            extent.include(&KeyBox::point(KeyBox::of(boxes, bit).min));
         }
-        // The object is new, large, or has left its leaf.
-        left += u32::from(*home != I::LARGE);
-        let leaf = leaf_of(splits, &bounds.min);
-        if cells.at(leaf).classify(simd, keys).is_large() {
-            *home = I::LARGE;
-            large.put(0, large.at(0) + 1);
-        } else if let Some(members) = counts.get_mut(leaf) {
-            extent.include(&KeyBox::point(bounds.min));
-            *home = I::from_slot(leaf as u32);
-            *members += 1;
+        for bit in bits::of_word(leavers) {
+            let (bounds, home) = (KeyBox::of(boxes, bit), homes.at(bit));
+            let leaf = leaf_of(planes, &bounds.min);
+            let is_large = cells.at(leaf).classify(simd, simd.keys(bounds)).is_large();
+            let goal = if bounds.is_empty() {
+                I::NONE
+            } else if is_large {
+                large.put(0, large.at(0) + 1);
+                I::LARGE
+            } else {
+                extent.include(&KeyBox::point(bounds.min));
+                counts.put(leaf, counts.at(leaf) + 1);
+                I::from_slot(leaf as u32)
+            };
+            // The object is new, large, or has left its leaf.
+            left += u32::from(!bounds.is_empty() && home != I::LARGE);
+            homes.put(bit, goal);
         }
     }
     // Infinite coordinates would make frames too coarse, as would large objects.

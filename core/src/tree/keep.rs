@@ -71,7 +71,8 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
     let len = rewritten_len(slots, blocks);
     let (boxes, moved) = (parts.boxes.swept(), &*parts.moved.words);
     let leaves = parts.tree.leaves.span(0, count);
-    let tree = (&*parts.tree.cells, &*parts.tree.frames, &*parts.tree.splits, leaves);
+    let planes = (&*parts.tree.splits, parts.state.tree.height);
+    let tree = (&*parts.tree.cells, &*parts.tree.frames, planes, leaves);
     let large =
         parts.tree.straddlers.span_mut(parts.state.tree.large_list(), parts.state.tree.large as usize);
     let (records, large) = (Shared::new(parts.tree.records), Shared::new(large));
@@ -99,7 +100,7 @@ fn rewrite_block<S: Simd, I: Index>(
     simd: S,
     (first, moved): (usize, &[u32]),
     (boxes, homes, places): (&[KeyBox], &mut [I], &mut [I]),
-    (cells, frames, splits, leaves): (&[Cell], &[Frame], &[Split], &[Leaf]),
+    (cells, frames, planes, leaves): (&[Cell], &[Frame], (&[Split], u16), &[Leaf]),
     (records, large): (Shared<'_, Record>, Shared<'_, Straddler>),
     lists: &mut [u32],
 ) -> u32 {
@@ -141,7 +142,7 @@ fn rewrite_block<S: Simd, I: Index>(
             leavers &= !(1 << bit);
             let bit = bit as usize;
             let (bounds, home) = (KeyBox::of(boxes, bit), homes.at(bit));
-            let goal = leaf_of(splits, &bounds.min);
+            let goal = leaf_of(planes, &bounds.min);
             let is_large = cells.at(goal).classify(simd, simd.keys(bounds)).is_large();
             if home == I::LARGE && is_large && !bounds.is_empty() {
                 continue;

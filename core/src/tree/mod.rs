@@ -33,16 +33,16 @@ pub(crate) use crate::memory::leaf::{Cell, Leaf, Nodes, Split, Straddler, Stradd
 
 use crate::access::Access;
 use crate::id::Index;
-use crate::memory::limits::{LEVELS, SUB_LEVELS};
+use crate::memory::limits::SUB_LEVELS;
 use crate::memory::slab::TreeParts;
 use crate::memory::state::State;
 use crate::simd::EIGHT;
 
 /// A plane above all minima: its node is not divided.
 pub(crate) const UNSPLIT: i32 = i32::MAX & !AXIS;
-/// The low bits of a plane hold its axis. Cutting them off the key moves the plane down by an ulp or two,
-/// which is right for any plane.
-const AXIS: i32 = 3;
+/// The low bits of a plane, its axis. Cutting them off the key moves the plane down by an ulp or two, which is
+/// right for any plane.
+const AXIS: i32 = Split::AXIS;
 
 /// A plane on `axis`: minima at or above it go to the right.
 pub(crate) const fn plane(axis: usize, key: i32) -> i32 {
@@ -63,7 +63,7 @@ pub(crate) const fn key_of(plane: i32) -> i32 {
 #[derive(Clone, Copy)]
 pub(crate) struct Corner {
     /// The highest keys that no plane tells apart from the corner's: a whole plane, axis included, compares
-    /// with them as its key does with the corner. A fourth key stands for the axis that does not occur.
+    /// with them as its key does with the corner. A fourth key is below what stands for a leaf.
     keys: [i32; 4],
 }
 
@@ -80,7 +80,7 @@ impl Corner {
 
 /// The leaf or sub-leaf that holds a minimum corner.
 pub(crate) fn home_of(tree: &TreeParts<'_>, state: &State, min: &[i32; 3]) -> usize {
-    home_within(tree, state, leaf_of(tree.splits, min), min)
+    home_within(tree, state, leaf_of((tree.splits, state.tree.height), min), min)
 }
 
 /// The same where the leaf of a full step is known.
@@ -96,18 +96,16 @@ fn sub_leaf_of(planes: &[i32], whole: usize, min: &[i32; 3]) -> usize {
     (0..SUB_LEVELS).fold(1, |node, _| 2 * node + usize::from(corner.reaches(planes.at(node)))) % SUB_LEAVES
 }
 
-/// The leaf of a full step whose cell holds a minimum corner.
+/// The leaf of a full step whose cell holds a minimum corner, in a tree with so many levels below its root. The
+/// walk goes on in a leaf, since the end of a walk is hard to predict.
 #[inline(always)]
-pub(crate) fn leaf_of(splits: &[Split], min: &[i32; 3]) -> usize {
+pub(crate) fn leaf_of((splits, height): (&[Split], u16), min: &[i32; 3]) -> usize {
     let corner = Corner::new(*min);
     let mut split = splits.at(1);
-    for _ in 0..LEVELS {
-        if let Some(leaf) = split.as_leaf() {
-            return leaf;
-        }
+    for _ in 0..height {
         split = splits.at(split.below as usize + usize::from(corner.reaches(split.plane)));
     }
-    0
+    split.as_leaf().unwrap_or_default()
 }
 
 /// The sub-leaves of a whole leaf: as many as are tested at once.

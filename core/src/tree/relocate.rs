@@ -33,7 +33,7 @@ pub(crate) fn relocate_all<I: Index>(
             let holds = |cell: &Cell| (0..3).all(|k| (cell.low()[k]..cell.high()[k]).contains(&min[k]));
             let whole = home.at() >> state.tree.sub_levels();
             let stays = home < I::LARGE && tree.cells.get(whole).is_some_and(holds);
-            let whole = if stays { whole } else { leaf_of(tree.splits, min) };
+            let whole = if stays { whole } else { leaf_of((tree.splits, state.tree.height), min) };
             *leaf = I::from_slot(home_within(tree, state, whole, min) as u32);
         }
     });

@@ -17,7 +17,7 @@ pub(crate) fn plant(tree: &mut TreeParts<'_>, state: &mut TreeState) {
 }
 
 pub(super) fn set_leaf(splits: &mut [Split], tops: &mut [u32], node: usize, leaf: usize) {
-    splits.put(node, Split::leaf(leaf));
+    splits.put(node, Split::leaf(leaf, node));
     tops.put(leaf, node as u32);
 }
 
@@ -49,10 +49,12 @@ pub(crate) fn join(tree: &mut TreeParts<'_>, state: &mut TreeState, leaf: usize,
 /// Lets what stands at a node stand at another.
 fn move_node(tree: &mut TreeParts<'_>, from: usize, to: usize) {
     let split = tree.splits.at(from);
-    tree.splits.put(to, split);
     match split.as_leaf() {
-        Some(leaf) => tree.tops.put(leaf, to as u32),
-        None => tree.parents.put(split.below as usize / 2, to as u32),
+        Some(leaf) => set_leaf(tree.splits, tree.tops, to, leaf),
+        None => {
+            tree.splits.put(to, split);
+            tree.parents.put(split.below as usize / 2, to as u32);
+        }
     }
 }
 

@@ -3,9 +3,11 @@
 //! first or the last step, which loses no pair.
 
 use super::cells::Sample;
+use super::limits::SPARSE;
 use super::{Cell, Frame, Record};
 use crate::access::Access;
 use crate::geometry::key::KeyBox;
+use crate::geometry::record::GRID_MAX;
 use crate::id::Index;
 use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
@@ -40,6 +42,15 @@ pub(crate) fn sharpen<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
 fn narrow(boxes: &[KeyBox], extent: &KeyBox, cell: &Cell, members: &[Record]) -> Frame {
     let minimum = |at| members.get(at).map(|record: &Record| KeyBox::of(boxes, record.slot() as usize).min);
     let wide = extent.clip(cell);
+    // Records, which are in order, tell it for most leaves; for the others boxes, which are anywhere.
+    let step = |lane: u16| i32::from(lane);
+    let steps = Sample::of(members.len(), |at| {
+        members.get(at).map(|Record { lanes: [x, y, z, ..], .. }| [step(*x), step(*y), step(*z)])
+    });
+    let (low, high) = steps.bounds();
+    if (0..3).all(|k| high[k].saturating_sub(low[k]) > (GRID_MAX / SPARSE) as i32 + 2) {
+        return Frame::over(&wide);
+    }
     let narrow = wide.trimmed(&Sample::of(members.len(), minimum));
     // If they are all at one point, no grid tells them apart, but the wide one tells the rest.
     Frame::over(if narrow.min == narrow.max { &wide } else { &narrow })

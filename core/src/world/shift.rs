@@ -77,9 +77,8 @@ impl<I: Index> World<'_, I> {
         }
         // Records are as the old origin had them.
         parts.state.tree.filled = 0;
-        for Split { plane, .. } in
-            parts.tree.splits.iter_mut().take(2 * parts.state.tree.count as usize).skip(1)
-        {
+        let nodes = parts.tree.splits.iter_mut().take(2 * parts.state.tree.count as usize).skip(1);
+        for Split { plane, .. } in nodes.filter(|node| node.as_leaf().is_none()) {
             let axis = axis_of(*plane);
             *plane = self::plane(axis, key(round_down(widened(value(key_of(*plane))), by[axis])));
         }

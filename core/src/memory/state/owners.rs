@@ -63,7 +63,9 @@ pub(crate) struct TreeState {
     /// The depth of new planes for as many objects as there are, or were lately.
     pub(crate) depth: u32,
     /// How many times leaves are twice as large as planned, since ghosts would take too much room.
-    pub(crate) coarser: u32,
+    pub(crate) coarser: u16,
+    /// The most levels that a leaf is below the root, when all were last counted.
+    pub(crate) height: u16,
     /// Zero while no leaf is divided; else one more than the number of divided leaves, the first ones.
     pub(crate) subdivided: u32,
     /// Movers since the boxes of the first leaf were made tight, as one leaf follows another.

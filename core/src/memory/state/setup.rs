@@ -5,7 +5,7 @@ use crate::error::Field;
 use bytemuck::{Pod, Zeroable};
 
 /// The version, and a bit for each feature that changes the layout of the slab.
-const MAGIC: u32 = 0x7452_000e | (TREE as u32) << 15 | (LISTS as u32) << 14;
+const MAGIC: u32 = 0x7452_000f | (TREE as u32) << 15 | (LISTS as u32) << 14;
 
 /// A [`Config`] as plain bytes.
 #[repr(C)]
