@@ -9,8 +9,8 @@ use super::cells::{cut, frame};
 use super::enclose::{enclose, number_straddlers};
 use super::shape::join;
 use super::sharpen::sharpen;
-use super::{Cell, Leaf, Nodes, Split, Straddler, large, leaf_of, most};
-use crate::access::{Access, bits};
+use super::{Cell, Leaf, Nodes, Planes, Straddler, large, leaves_of, most};
+use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::limits::{ROOM, SLOT_BLOCKS, block_len, histogram_row, slot_blocks};
@@ -89,7 +89,7 @@ fn count_block<S: Simd, I: Index>(
     simd: S,
     boxes: &[KeyBox],
     homes: &mut [I],
-    planes: (&[Split], u16),
+    planes: Planes<'_>,
     cells: &[Cell],
     histogram: &mut [u32],
 ) -> (KeyBox, u32) {
@@ -98,37 +98,44 @@ fn count_block<S: Simd, I: Index>(
         return (KeyBox::EMPTY, 0);
     };
     let (mut extent, mut left) = (KeyBox::EMPTY, 0);
-    for (boxes, homes) in boxes.chunks(32).zip(homes.chunks_mut(32)) {
-        // Noted for all of them first, since who leaves is hard to predict.
-        let mut leavers = 0u32;
-        for (bit, (bounds, home)) in boxes.iter().zip(&*homes).enumerate() {
+    for (boxes, homes) in boxes.chunks(256).zip(homes.chunks_mut(256)) {
+        // Listed first, since who leaves is hard to predict.
+        let (mut leavers, mut count) = ([0u8; 256], 0);
+        for (at, (bounds, home)) in boxes.iter().zip(&*homes).enumerate() {
             let mut stays = false;
             if let (Some(cell), Some(members)) = (cells.get(home.at()), counts.get_mut(home.at())) {
                 stays = cell.classify(simd, simd.keys(bounds)).is_member();
                 *members += u32::from(stays);
             }
-            leavers |= u32::from(!stays) << bit;
+            // Without a branch.
+            let mask = -i32::from(stays);
+            extent.include(&KeyBox {
+                min: bounds.min.map(|low| low & mask | i32::MAX & !mask),
+                max: bounds.min.map(|low| low & mask | i32::MIN & !mask),
+            });
+            leavers.put(count, at as u8);
+            count += usize::from(!stays);
         }
-        for bit in bits::of_word(!leavers & u32::MAX >> (32 - boxes.len())) {
-            extent.include(&KeyBox::point(KeyBox::of(boxes, bit).min));
-        }
-        for bit in bits::of_word(leavers) {
-            let (bounds, home) = (KeyBox::of(boxes, bit), homes.at(bit));
-            let leaf = leaf_of(planes, &bounds.min);
-            let is_large = cells.at(leaf).classify(simd, simd.keys(bounds)).is_large();
-            let goal = if bounds.is_empty() {
-                I::NONE
-            } else if is_large {
-                large.put(0, large.at(0) + 1);
-                I::LARGE
-            } else {
-                extent.include(&KeyBox::point(bounds.min));
-                counts.put(leaf, counts.at(leaf) + 1);
-                I::from_slot(leaf as u32)
-            };
-            // The object is new, large, or has left its leaf.
-            left += u32::from(!bounds.is_empty() && home != I::LARGE);
-            homes.put(bit, goal);
+        for four in leavers.span(0, count).chunks(4) {
+            let corner = |at: usize| &KeyBox::of(boxes, four.get(at).map_or(0, |at| (*at).into())).min;
+            let goals = leaves_of(planes, [corner(0), corner(1), corner(2), corner(3)]);
+            for (at, leaf) in four.iter().map(|at| usize::from(*at)).zip(goals) {
+                let (bounds, home) = (KeyBox::of(boxes, at), homes.at(at));
+                let is_large = cells.at(leaf).classify(simd, simd.keys(bounds)).is_large();
+                let goal = if bounds.is_empty() {
+                    I::NONE
+                } else if is_large {
+                    large.put(0, large.at(0) + 1);
+                    I::LARGE
+                } else {
+                    extent.include(&KeyBox::point(bounds.min));
+                    counts.put(leaf, counts.at(leaf) + 1);
+                    I::from_slot(leaf as u32)
+                };
+                // The object is new, large, or has left its leaf.
+                left += u32::from(!bounds.is_empty() && home != I::LARGE);
+                homes.put(at, goal);
+            }
         }
     }
     // Infinite coordinates would make frames too coarse, as would large objects.

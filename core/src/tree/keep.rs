@@ -7,7 +7,7 @@
 
 use super::enclose::{enclose, number_straddlers};
 use super::relocate::{relocate_all, thirds};
-use super::{Cell, Frame, Leaf, Record, Split, Straddler, large, leaf_of};
+use super::{Cell, Frame, Leaf, Planes, Record, Straddler, large, leaf_of};
 use crate::access::{Access, bits};
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
@@ -100,7 +100,7 @@ fn rewrite_block<S: Simd, I: Index>(
     simd: S,
     (first, moved): (usize, &[u32]),
     (boxes, homes, places): (&[KeyBox], &mut [I], &mut [I]),
-    (cells, frames, planes, leaves): (&[Cell], &[Frame], (&[Split], u16), &[Leaf]),
+    (cells, frames, planes, leaves): (&[Cell], &[Frame], Planes<'_>, &[Leaf]),
     (records, large): (Shared<'_, Record>, Shared<'_, Straddler>),
     lists: &mut [u32],
 ) -> u32 {

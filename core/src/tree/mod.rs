@@ -96,16 +96,27 @@ fn sub_leaf_of(planes: &[i32], whole: usize, min: &[i32; 3]) -> usize {
     (0..SUB_LEVELS).fold(1, |node, _| 2 * node + usize::from(corner.reaches(planes.at(node)))) % SUB_LEAVES
 }
 
-/// The leaf of a full step whose cell holds a minimum corner, in a tree with so many levels below its root. The
-/// walk goes on in a leaf, since the end of a walk is hard to predict.
+/// Planes, and the most of them above a leaf.
+pub(crate) type Planes<'p> = (&'p [Split], u16);
+
+/// The leaf of a full step whose cell holds a minimum corner.
 #[inline(always)]
-pub(crate) fn leaf_of((splits, height): (&[Split], u16), min: &[i32; 3]) -> usize {
-    let corner = Corner::new(*min);
-    let mut split = splits.at(1);
+pub(crate) fn leaf_of(planes: Planes<'_>, min: &[i32; 3]) -> usize {
+    leaves_of(planes, [min])[0]
+}
+
+/// The same of some corners. Walks do not wait for each other, and go on in a leaf, since their ends are hard
+/// to predict.
+#[inline(always)]
+pub(crate) fn leaves_of<const N: usize>((splits, height): Planes<'_>, mins: [&[i32; 3]; N]) -> [usize; N] {
+    let corners = mins.map(|min| Corner::new(*min));
+    let mut here = [splits.at(1); N];
     for _ in 0..height {
-        split = splits.at(split.below as usize + usize::from(corner.reaches(split.plane)));
+        for (split, corner) in here.iter_mut().zip(&corners) {
+            *split = splits.at(split.below as usize + usize::from(corner.reaches(split.plane)));
+        }
     }
-    split.as_leaf().unwrap_or_default()
+    here.map(|split| split.as_leaf().unwrap_or_default())
 }
 
 /// The sub-leaves of a whole leaf: as many as are tested at once.
