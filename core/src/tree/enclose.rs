@@ -8,6 +8,8 @@ use crate::memory::slab::Parts;
 use crate::parallel::block_queue::Chunks;
 use crate::parallel::context::StepContext;
 use crate::parallel::shared::Shared;
+use crate::simd::kernels::run;
+use crate::simd::{Simd, call};
 
 /// Says where the straddlers of each leaf will be, by the marks of the records. Returns how many there are.
 /// O(records).
@@ -35,9 +37,31 @@ pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
     let (cells, tops) = (&*tree.cells, tree.tops.span(0, count));
     let (records, nodes, list) = (&*tree.records, Shared::new(tree.boxes), Shared::new(tree.straddlers));
     context.each(count, |index, ()| {
-        let (leaf, mut around) = (leaves.at(index), cells.at(index).inside());
-        let mut at = straddling.at(index).start as usize;
-        for members in leaf.members(records).chunks(64) {
+        let (members, inside) = (leaves.at(index).members(records), cells.at(index).inside());
+        let list = (list, straddling.at(index).start as usize);
+        let around = run!(context.kernels, |simd| enclose_leaf(simd, boxes, members, inside, list));
+        if !members.is_empty() {
+            nodes.store(tops.at(index) as usize, &around);
+        }
+    });
+    let above = |node: usize| tree.parents.at(node / 2) as usize;
+    for top in tops {
+        let around = tree.boxes.at(*top as usize);
+        expand_ancestors(tree.boxes, above, above(*top as usize), &around);
+    }
+}
+
+/// Lists the straddlers of a leaf from a place on. Returns a box around them and another one.
+#[inline(always)]
+fn enclose_leaf<S: Simd>(
+    simd: S,
+    boxes: &[KeyBox],
+    members: &[Record],
+    mut around: KeyBox,
+    (list, mut at): (Shared<'_, Straddler>, usize),
+) -> KeyBox {
+    call!(simd, {
+        for members in members.chunks(64) {
             // Noted for all of them first, since which ones straddle is hard to predict.
             let marks = members.iter().map(|record| record.tag / Record::STRADDLES % 2);
             let mut marked = marks.rev().fold(0u64, |bits, mark| 2 * bits + u64::from(mark));
@@ -49,15 +73,8 @@ pub(crate) fn enclose<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'
                 (at, marked) = (at + 1, marked & (marked - 1));
             }
         }
-        if leaf.len > 0 {
-            nodes.store(tops.at(index) as usize, &around);
-        }
-    });
-    let above = |node: usize| tree.parents.at(node / 2) as usize;
-    for top in tops {
-        let around = tree.boxes.at(*top as usize);
-        expand_ancestors(tree.boxes, above, above(*top as usize), &around);
-    }
+        around
+    })
 }
 
 /// Grows the boxes of a node and of the nodes above it to hold a box.
