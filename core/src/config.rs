@@ -241,8 +241,9 @@ impl Forced {
     }
 }
 
-/// Whether steps test only the objects that have moved. Always: after every complete step, if they are at most
-/// a third of all. Never: every step finds all pairs anew, even if nothing has moved.
+/// Whether steps test only the objects that have moved. Always: after every complete step, if the scratch memory
+/// has room for a list of them: a twelfth of all, or a third where there are few. Never: every step finds all
+/// pairs anew, even if nothing has moved.
 pub(crate) const MOVERS_ONLY: u8 = 0;
 /// Whether leaves are divided in such steps. Always: from the first one on.
 pub(crate) const FINE_LEAVES: u8 = 1;

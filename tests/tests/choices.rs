@@ -60,7 +60,7 @@ fn the_number_of_movers_chooses_the_path_or_the_caller_does() {
         assert_eq!(routes(&stats), [FIRST, later, later, later, later], "{choice:?}, {thousandths}");
     }
     // With many movers a leaf and its neighbours may be full in the end, and the leaves have to be filled anew.
-    let many = routes(&stats(PLAIN.with_movers_only(Always), 300));
+    let many = routes(&stats(PLAIN.with_movers_only(Always), 120));
     assert!(many[1..].iter().all(|route| [MOVERS, (Path::Full, Reason::NoRoom)].contains(route)), "{many:?}");
     assert!(many.contains(&MOVERS), "{many:?}");
 }

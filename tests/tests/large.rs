@@ -64,6 +64,35 @@ fn large_objects_stay_in_their_list_as_others_grow_and_shrink() {
     }
 }
 
+/// More than a step lists to be moved by themselves, where leaves are kept; then all are filled anew. And fewer.
+#[test]
+fn many_objects_become_large_and_small_again_at_once() {
+    const COUNT: usize = 10_000;
+    let (rng, side) = (&mut Rng::new(9), scenes::side(COUNT));
+    let mut config = Config::new(ample(COUNT, 40 * COUNT)).with_events().without_predicted_boxes();
+    config.capacity.leaf_refs = 2 * COUNT as u32;
+    let mut slab = Slab::new::<u32>(&config);
+    let mut world = Checked::<u32>::new(slab.world(&config));
+    let mut boxes = scenes::uniform(COUNT, 9);
+    world.insert_many(&boxes);
+    for step in 0..24 {
+        // Of these, six in ten.
+        let some = if step < 12 { 1500 } else { 300 };
+        for (index, aabb) in boxes.iter_mut().enumerate() {
+            *aabb = shifted(aabb, rng.point(-0.01, 0.01));
+            if step % 4 > 1 && index < some {
+                aabb.max[0] = aabb.min[0] + if step % 4 == 2 { 0.6 * side } else { 1.0 };
+            }
+        }
+        let stats = world.step_over(&boxes, Setup::REFERENCE).stats;
+        if step % 4 == 2 {
+            // Those that are by themselves may be a twelfth of all. Were an eighth of all to leave, none would be kept.
+            let many = COUNT as u32 / 12..COUNT as u32 / 8;
+            assert_eq!(many.contains(&stats.large), step < 12, "{stats:?}");
+        }
+    }
+}
+
 /// Until the list has no room for another one in its groups; then all leaves are filled, and it gets more.
 #[test]
 fn large_objects_come_one_by_one() {

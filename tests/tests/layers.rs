@@ -195,20 +195,20 @@ fn no_file_is_too_long() {
 /// Lines that each folder of the core may have, unit tests and comments included. Raise a number only where what is new is worth
 /// its lines.
 const BUDGETS: [(&str, usize); 14] = [
-    ("", 1112),
+    ("", 1127),
     ("geometry", 1060),
-    ("memory", 1782),
+    ("memory", 1802),
     ("objects", 640),
     ("pairs", 605),
-    ("parallel", 483),
-    ("query", 1157),
+    ("parallel", 491),
+    ("query", 1163),
     ("simd", 1964),
     ("snapshot", 598),
     ("step", 728),
-    ("sweep", 1374),
-    ("tree", 2109),
+    ("sweep", 1377),
+    ("tree", 2197),
     ("validate", 372),
-    ("world", 1570),
+    ("world", 1580),
 ];
 
 #[test]

@@ -196,17 +196,9 @@ impl Sizes {
     /// Slots in the scratch memory of a step: as many as objects in a world that is not large, else a byte for
     /// each object.
     pub(crate) const fn spare<I>(&self) -> usize {
-        let (all, some) = (self.tree, self.tree.div_ceil(size_of::<I>()));
-        if_so(
-            TREE,
-            if all < BUCKET {
-                all
-            } else if some < BUCKET {
-                BUCKET
-            } else {
-                some
-            },
-        )
+        let (some, few) =
+            (self.tree.div_ceil(size_of::<I>()), if self.tree < BUCKET { self.tree } else { BUCKET });
+        if_so(TREE, if some < few { few } else { some })
     }
 
     pub(crate) const fn histogram(&self) -> usize {

@@ -22,6 +22,9 @@ use crate::simd::Simd;
 use crate::simd::kernels::run;
 use crate::tree::{Frame, Record};
 
+/// Slots of which the leavers are listed, before they are told where they go.
+const LISTED: usize = 256;
+
 /// Finds the leaf of every object and counts. Then each leaf has its count, and the histogram tells where in
 /// their leaf the objects of each block of slots begin. Returns the bounds of minima, and how many objects left
 /// their leaf.
@@ -84,6 +87,7 @@ fn count_in<I: Index>(parts: &mut Parts<'_, I>, leaves: usize, context: StepCont
     (extent, left)
 }
 
+/// The same for some consecutive slots.
 #[inline(always)]
 fn count_block<S: Simd, I: Index>(
     simd: S,
@@ -98,9 +102,9 @@ fn count_block<S: Simd, I: Index>(
         return (KeyBox::EMPTY, 0);
     };
     let (mut extent, mut left) = (KeyBox::EMPTY, 0);
-    for (boxes, homes) in boxes.chunks(256).zip(homes.chunks_mut(256)) {
+    for (boxes, homes) in boxes.chunks(LISTED).zip(homes.chunks_mut(LISTED)) {
         // Listed first, since who leaves is hard to predict.
-        let (mut leavers, mut count) = ([0u8; 256], 0);
+        let (mut leavers, mut count) = ([0u8; LISTED], 0);
         for (at, (bounds, home)) in boxes.iter().zip(&*homes).enumerate() {
             let mut stays = false;
             if let (Some(cell), Some(members)) = (cells.get(home.at()), counts.get_mut(home.at())) {
@@ -114,11 +118,11 @@ fn count_block<S: Simd, I: Index>(
                 max: bounds.min.map(|low| low & mask | i32::MIN & !mask),
             });
             leavers.put(count, at as u8);
-            count += usize::from(!stays);
+            count += usize::from(!stays && (*home != I::NONE || !bounds.is_empty()));
         }
         for four in leavers.span(0, count).chunks(4) {
-            let corner = |at: usize| &KeyBox::of(boxes, four.get(at).map_or(0, |at| (*at).into())).min;
-            let goals = leaves_of(planes, [corner(0), corner(1), corner(2), corner(3)]);
+            let corner = |at| &KeyBox::of(boxes, four.at(at).into()).min;
+            let goals = leaves_of(planes, [0, 1, 2, 3].map(|at: usize| corner(at.min(four.len() - 1))));
             for (at, leaf) in four.iter().map(|at| usize::from(*at)).zip(goals) {
                 let (bounds, home) = (KeyBox::of(boxes, at), homes.at(at));
                 let is_large = cells.at(leaf).classify(simd, simd.keys(bounds)).is_large();

@@ -54,8 +54,8 @@ pub(crate) fn keep<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>)
 }
 
 /// Slots in a block: half of those of other passes at least, as a slot takes longer here.
-fn rewritten_len(slots: usize, blocks: usize) -> usize {
-    slots.div_ceil(blocks).next_multiple_of(512).max(512)
+fn rewritten_len(slots: usize, workers: usize) -> usize {
+    slots.div_ceil(slot_blocks(workers)).next_multiple_of(512).max(512)
 }
 
 /// Writes the records of all objects that are still in their leaf, and lists the leavers, new and removed ones
@@ -68,14 +68,13 @@ fn rewritten_len(slots: usize, blocks: usize) -> usize {
 fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 {
     let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
     let (blocks, row) = (slot_blocks(context.workers), histogram_row(count));
-    let len = rewritten_len(slots, blocks);
+    let len = rewritten_len(slots, context.workers);
     let (boxes, moved) = (parts.boxes.swept(), &*parts.moved.words);
     let leaves = parts.tree.leaves.span(0, count);
     let planes = (&*parts.tree.splits, parts.state.tree.height);
     let tree = (&*parts.tree.cells, &*parts.tree.frames, planes, leaves);
-    let large =
-        parts.tree.straddlers.span_mut(parts.state.tree.large_list(), parts.state.tree.large as usize);
-    let (records, large) = (Shared::new(parts.tree.records), Shared::new(large));
+    let (large, _) = large::split(&parts.state.tree, parts.tree.straddlers);
+    let shared = (Shared::new(parts.tree.records), Shared::new(large));
     let mut left = [0; SLOT_BLOCKS];
     let blocks = (
         Chunks::new(parts.home.span_mut(0, slots), len),
@@ -88,7 +87,6 @@ fn rewrite<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> u32 
         lists.fill(0);
         let slots = (boxes.span(first, count), homes, places);
         let first = (first, moved.span(first / 32, count.div_ceil(32)));
-        let shared = (records, large);
         left.fill(run!(context.kernels, |simd| rewrite_block(simd, first, slots, tree, shared, lists)));
     });
     left.iter().sum()
@@ -177,9 +175,8 @@ fn rewrite_block<S: Simd, I: Index>(
 /// Moves the leavers that [`rewrite`] has listed. Returns whether there was room.
 fn settle<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool {
     let (slots, count) = (parts.state.objects.slots as usize, parts.state.tree.count as usize);
-    let (blocks, row) = (slot_blocks(context.workers), histogram_row(count));
-    let blocks = slots.div_ceil(rewritten_len(slots, blocks));
-    let lists = parts.tree.histogram.span(0, blocks * row);
+    let (len, row) = (rewritten_len(slots, context.workers), histogram_row(count));
+    let lists = parts.tree.histogram.span(0, slots.div_ceil(len) * row);
     let rows = || lists.chunks_exact(row.max(1));
     let (boxes, places) = (parts.boxes.swept(), SharedSlots::new(parts.place));
     let (cells, frames) = (&*parts.tree.cells, &*parts.tree.frames);
@@ -194,8 +191,7 @@ fn settle<I: Index>(parts: &mut Parts<'_, I>, context: StepContext<'_>) -> bool 
     });
     let fits = leaves.iter().all(|leaf| leaf.len <= leaf.room);
     let ([movers, ..], mut alone) = (thirds(parts.spare), 0);
-    let large =
-        parts.tree.straddlers.span_mut(parts.state.tree.large_list(), parts.state.tree.large as usize);
+    let (large, _) = large::split(&parts.state.tree, parts.tree.straddlers);
     for mut link in rows().map(|row| row.at(2 * count)) {
         while let Some(slot) = link.checked_sub(1) {
             let Some(mover) = movers.get_mut(alone) else { return false };

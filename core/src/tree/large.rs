@@ -96,7 +96,10 @@ impl<'g> Large<'g> {
 }
 
 /// The list, and the boxes of its nodes.
-fn split<'g>(tree: &TreeState, straddlers: &'g mut [Straddler]) -> (&'g mut [Straddler], &'g mut [KeyBox]) {
+pub(super) fn split<'g>(
+    tree: &TreeState,
+    straddlers: &'g mut [Straddler],
+) -> (&'g mut [Straddler], &'g mut [KeyBox]) {
     let nodes = large_nodes(tree.large_depth);
     let both = straddlers.span_mut(tree.large_start as usize, nodes + tree.large as usize);
     let (nodes, list) = both.split_at_mut_checked(nodes).unwrap_or_default();
@@ -219,7 +222,7 @@ pub(super) fn seat<I: Index>(parts: &mut Parts<'_, I>, from: usize, straddlers: 
 /// Gives the objects of the list their new boxes.
 pub(super) fn renew<I: Index>(parts: &mut Parts<'_, I>) {
     let tree = &mut parts.state.tree;
-    for straddler in parts.tree.straddlers.span_mut(tree.large_list(), tree.large as usize) {
+    for straddler in split(tree, parts.tree.straddlers).0 {
         let bounds = parts.boxes.swept().at(straddler.slot as usize);
         tree.large_changed = tree.large_changed.saturating_add(u32::from(bounds != straddler.bounds));
         straddler.bounds = bounds;

@@ -104,10 +104,11 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
         ends.put(sub, members);
     }
     let lens = ends;
-    let mut next = [0; SUB_LEAVES];
-    for sub in 1..SUB_LEAVES {
-        next[sub] = ends[sub - 1];
-        ends[sub] += ends[sub - 1];
+    let (mut next, mut start) = ([0; SUB_LEAVES], 0);
+    for (next, end) in next.iter_mut().zip(&mut ends) {
+        *next = start;
+        start += *end;
+        *end = start;
     }
     // Each record changes places with the next one of its sub-leaf.
     for (sub, end) in ends.iter().enumerate() {
