@@ -206,7 +206,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("snapshot", 598),
     ("step", 728),
     ("sweep", 1377),
-    ("tree", 2197),
+    ("tree", 2198),
     ("validate", 372),
     ("world", 1580),
 ];
