@@ -122,9 +122,9 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     }
     // The last one first, as records move up: each gets an equal share of the free room, the last one the rest.
     let share = (leaf.room - leaf.len) as usize / SUB_LEAVES;
-    let mut bounds = [Record::NOTHING; SUB_LEAVES];
     let mut end = (leaf.start + leaf.room) as usize;
-    for (sub, (len, bounds)) in lens.into_iter().zip(&mut bounds).enumerate().rev() {
+    for sub in (0..SUB_LEAVES).rev() {
+        let (len, mut bounds) = (lens.at(sub), Record::NOTHING);
         let from = leaf.start as usize + ends.at(sub) - len;
         let start = from + sub * share;
         for place in (0..len).rev() {
@@ -138,9 +138,9 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
         }
         let [start, len, room] = [start, len, end - start].map(|count| count as u32);
         tree.leaves.put(first + sub, Leaf { start, len, room });
+        tree.bounds.put(first + sub, bounds);
         end = start as usize;
     }
-    tree.bounds.span_mut(first, SUB_LEAVES).copy_in(&bounds);
 }
 
 /// Goes back to whole leaves, which have to be filled. Returns whether leaves were divided.
