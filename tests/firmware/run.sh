@@ -106,7 +106,7 @@ done
 build thumbv7em-none-eabihf --bin calls --bin around --features large
 large=$boards/thumbv7em-none-eabihf/release
 "$tools/inspect" "$large/calls"
-stack "$large/around" "Cortex-M4 | all, with the feature \`large\`" 4544
+stack "$large/around" "Cortex-M4 | all, with the feature \`large\`" 4672
 # Fixed point takes no soft-float; a margin does, which shows that the search finds it.
 calls=$boards/thumbv6m-none-eabi/release/calls
 "$tools/inspect" "$calls" --integers from_fixed

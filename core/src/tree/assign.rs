@@ -23,7 +23,7 @@ use crate::simd::kernels::run;
 use crate::tree::{Frame, Record};
 
 /// Slots of which the leavers are listed, before they are told where they go.
-const LISTED: usize = 256;
+const LISTED: usize = 128;
 
 /// Finds the leaf of every object and counts. Then each leaf has its count, and the histogram tells where in
 /// their leaf the objects of each block of slots begin. Returns the bounds of minima, and how many objects left
