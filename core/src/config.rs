@@ -242,8 +242,8 @@ impl Forced {
 }
 
 /// Whether steps test only the objects that have moved. Always: after every complete step, if the scratch memory
-/// has room for a list of them: a twelfth of all, or a third where there are few. Never: every step finds all
-/// pairs anew, even if nothing has moved.
+/// has room for a list of them: a twelfth of all, a sixth with slots of 16 bits, or a third where there are few.
+/// Never: every step finds all pairs anew, even if nothing has moved.
 pub(crate) const MOVERS_ONLY: u8 = 0;
 /// Whether leaves are divided in such steps. Always: from the first one on.
 pub(crate) const FINE_LEAVES: u8 = 1;

@@ -200,14 +200,14 @@ const BUDGETS: [(&str, usize); 14] = [
     ("memory", 1802),
     ("objects", 640),
     ("pairs", 605),
-    ("parallel", 491),
+    ("parallel", 492),
     ("query", 1163),
     ("simd", 1964),
     ("snapshot", 598),
     ("step", 728),
     ("sweep", 1377),
-    ("tree", 2198),
-    ("validate", 372),
+    ("tree", 2201),
+    ("validate", 374),
     ("world", 1580),
 ];
 

@@ -193,8 +193,8 @@ impl Sizes {
         if_so(TREE && self.tree > 0, self.tree + self.tree / 8 + 4 * self.leaves + EIGHT)
     }
 
-    /// Slots in the scratch memory of a step: as many as objects in a world that is not large, else a byte for
-    /// each object.
+    /// Slots in the scratch memory of a step: a byte for each object, but at least as many slots as objects, up
+    /// to those of a [`BUCKET`].
     pub(crate) const fn spare<I>(&self) -> usize {
         let (some, few) =
             (self.tree.div_ceil(size_of::<I>()), if self.tree < BUCKET { self.tree } else { BUCKET });

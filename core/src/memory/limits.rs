@@ -23,7 +23,7 @@ pub(crate) const BUCKET: usize = 2048;
 /// Candidates that are collected before they are tested.
 pub(crate) const BATCH: usize = 1024;
 
-// Work that is shared. Blocks follow from counts alone, so that no result depends on the number of workers.
+// Work that is shared. Blocks follow from counts and the configuration alone, and no result from the blocks.
 
 /// From this many objects on a step is shared between workers.
 pub(crate) const SHARED_FROM: u32 = 4096;

@@ -1,5 +1,5 @@
 //! Hands out blocks of work and areas of scratch memory: each is claimed once, as exclusive slices, by
-//! whichever worker comes next. The bounds of the blocks follow from counts alone.
+//! whichever worker comes next. The bounds of the blocks follow from counts and the configuration alone.
 
 use core::marker::PhantomData;
 use core::num::NonZeroU32;

@@ -81,7 +81,8 @@ impl<I: Index> Clone for SharedSlots<'_, I> {
 impl<'a, I: Index> SharedSlots<'a, I> {
     pub(crate) fn new(slots: &'a mut [I]) -> Self {
         const { assert!(align_of::<I::Atomic>() == align_of::<I>() && size_of::<I::Atomic>() == size_of::<I>()) };
-        // SAFETY: as above.
+        // SAFETY: the atomic is that of the integer, with its bit validity, and its size and alignment, as is
+        // checked above; and the borrow becomes a shared one, as before.
         Self(unsafe { &*(core::ptr::from_mut(slots) as *const [I::Atomic]) })
     }
 

@@ -2,7 +2,7 @@
 //! stand, and the leavers are moved: workers that take slots list them for each leaf, and leave holes; and
 //! workers that take leaves let who comes fill the holes.
 //!
-//! Cells, frames and axes stay too, as the step that filled all leaves last has left them. No frame loses a
+//! Cells and frames stay too, as the step that filled all leaves last has left them. No frame loses a
 //! pair.
 
 use super::enclose::{enclose, number_straddlers};
@@ -58,8 +58,8 @@ fn rewritten_len(slots: usize, workers: usize) -> usize {
     slots.div_ceil(slot_blocks(workers)).next_multiple_of(512).max(512)
 }
 
-/// Writes the records of all objects that are still in their leaf, and lists the leavers, new and removed ones
-/// and large ones. Returns how many those are.
+/// Writes the records of all objects that are still in their leaf, and lists the leavers, new ones and large
+/// ones; of removed ones that were not large nothing is left but a hole. Returns how many all of these are.
 ///
 /// Each block of slots has a row of the histogram: for each leaf the first one that comes and the first hole,
 /// and at last the first one that is to be moved alone, as it is or was in no leaf; all plus one, as zero ends

@@ -50,7 +50,7 @@ pub(crate) const fn plane(axis: usize, key: i32) -> i32 {
 }
 
 pub(crate) const fn axis_of(plane: i32) -> usize {
-    // The fourth value does not occur. Cut to the third, it needs no check of the range.
+    // No plane has the fourth value. Cut to the third, it needs no check of the range.
     let axis = (plane & AXIS) as usize;
     if axis > 2 { 2 } else { axis }
 }

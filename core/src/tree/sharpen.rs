@@ -48,7 +48,8 @@ fn narrow(boxes: &[KeyBox], extent: &KeyBox, cell: &Cell, members: &[Record]) ->
         members.get(at).map(|Record { lanes: [x, y, z, ..], .. }| [step(*x), step(*y), step(*z)])
     });
     let (low, high) = steps.bounds();
-    if (0..3).all(|k| high[k].saturating_sub(low[k]) > (GRID_MAX / SPARSE) as i32 + 2) {
+    let is_flat = |k: usize| wide.min[k] == wide.max[k];
+    if (0..3).all(|k| is_flat(k) || high[k].saturating_sub(low[k]) > (GRID_MAX / SPARSE) as i32 + 2) {
         return Frame::over(&wide);
     }
     let narrow = wide.trimmed(&Sample::of(members.len(), minimum));

@@ -5,7 +5,7 @@
 //! tested at once, in place of three levels of nodes.
 //!
 //! Meanwhile a leaf that is not divided yet is at the number of its first sub-leaf, and the other seven are
-//! empty. Divided leaves have no straddlers: only a full step gathers ghosts.
+//! empty. Nobody reads the straddlers meanwhile: only a full step gathers ghosts.
 
 use super::cells::evenly;
 use super::limits::{DIVIDED_AT_LEAST, DIVIDED_SHARE, SUB_SAMPLE};
@@ -114,7 +114,9 @@ fn divide_leaf<S: Simd, I: Index>(simd: S, parts: &mut Parts<'_, I>, whole: usiz
     for (sub, end) in ends.iter().enumerate() {
         while next.at(sub) < *end {
             let at = next.at(sub);
-            let home = parts.home.at(members.at(at).slot() as usize).at() - first;
+            let home = parts.home.at(members.at(at).slot() as usize).at() % SUB_LEAVES;
+            // It ends, whatever the memory holds.
+            let home = if next.at(home) < ends.at(home) { home } else { sub };
             let place = next.at(home);
             members.swap_at(at, place);
             next.put(home, place + 1);

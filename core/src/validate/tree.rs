@@ -57,7 +57,15 @@ fn shape<I: Index>(parts: &Parts<'_, I>) -> Result<(), Invalid> {
     for node in 1..2 * count {
         let split = nodes.splits.at(node);
         let known = match split.as_leaf() {
-            Some(leaf) => leaf < count && nodes.tops.at(leaf) as usize == node,
+            // Walks have one length, and end in a leaf that is below itself.
+            Some(leaf) => {
+                let reached =
+                    nodes.depth(node) <= parts.state.tree.height.into() || parts.state.tree.filled == 0;
+                leaf < count
+                    && nodes.tops.at(leaf) as usize == node
+                    && split.below as usize == node
+                    && reached
+            }
             None => {
                 let pair = split.below as usize / 2;
                 let axis = plane(axis_of(split.plane), split.plane) == split.plane;
