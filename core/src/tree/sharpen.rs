@@ -43,10 +43,8 @@ fn narrow(boxes: &[KeyBox], extent: &KeyBox, cell: &Cell, members: &[Record]) ->
     let minimum = |at| members.get(at).map(|record: &Record| KeyBox::of(boxes, record.slot() as usize).min);
     let wide = extent.clip(cell);
     // Records, which are in order, tell it for most leaves; for the others boxes, which are anywhere.
-    let step = |lane: u16| i32::from(lane);
-    let steps = Sample::of(members.len(), |at| {
-        members.get(at).map(|Record { lanes: [x, y, z, ..], .. }| [step(*x), step(*y), step(*z)])
-    });
+    let lanes = |Record { lanes: [x, y, z, ..], .. }: &Record| [*x, *y, *z].map(i32::from);
+    let steps = Sample::of(members.len(), |at| members.get(at).map(lanes));
     let (low, high) = steps.bounds();
     let is_flat = |k: usize| wide.min[k] == wide.max[k];
     if (0..3).all(|k| is_flat(k) || high[k].saturating_sub(low[k]) > (GRID_MAX / SPARSE) as i32 + 2) {
