@@ -198,7 +198,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("", 1127),
     ("geometry", 1060),
     ("memory", 1802),
-    ("objects", 640),
+    ("objects", 643),
     ("pairs", 605),
     ("parallel", 492),
     ("query", 1163),

@@ -63,7 +63,10 @@ fn ingest_blocks<I: Index>(
     context: StepContext<'_>,
 ) -> Intake {
     let len = block_len(slots, SLOT_BLOCKS);
+    let by_pairs = parts.state.pairs.before_unknown != 0;
     let Objects { now, given, fat: all, mut moved, mut changed, before, resting, .. } = parts.objects();
+    // Then pairs tell events.
+    let before = if by_pairs { &mut [] } else { before };
     let mut found = [Intake::default(); SLOT_BLOCKS];
     let blocks = (
         (Chunks::new(now.span_mut(0, slots), len), Chunks::optional(given, len)),

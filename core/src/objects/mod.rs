@@ -69,8 +69,7 @@ impl<I: Index> Parts<'_, I> {
             fat: FatBoxes { boxes, margins, rule },
             moved: self.moved.reborrow(),
             changed: self.changed.reborrow(),
-            // Where nobody keeps the boxes of before, pairs tell events.
-            before: if TREE && self.state.pairs.before_unknown != 0 { &mut [] } else { self.boxes.before },
+            before: self.boxes.before,
             resting: if self.state.objects.resting != 0 { self.resting } else { &[] },
         }
     }
