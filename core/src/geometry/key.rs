@@ -36,7 +36,7 @@ const fn mirrored(bits: i32) -> i32 {
 pub(crate) const SHORTEST: f32 = f32::from_bits(27 << 23);
 
 /// Steps of its last motion that a predicted box holds.
-pub(crate) const AHEAD: f32 = 8.0;
+pub(crate) const AHEAD: f32 = 7.0;
 /// What a predicted box has around it, as a share of the smallest side.
 pub(crate) const AROUND: f32 = 0.05;
 

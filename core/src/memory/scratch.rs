@@ -115,6 +115,8 @@ pub(crate) struct LeafScratch<'s, I> {
     pub(crate) candidates: &'s mut [u32],
     /// Pairs that wait to be passed on.
     pub(crate) pairs: &'s mut [Pair<I>],
+    /// The axes on which all boxes have a point in common, a bit each, once asked.
+    pub(crate) common_axes: Option<u32>,
     pub(crate) work: Work,
 }
 
@@ -132,6 +134,7 @@ impl<'s, I: Index> Scratch<'s, I> {
                 lists: cut(&mut rest, 1),
                 candidates: cut(&mut rest, candidates),
                 pairs: cut(&mut rest, candidates),
+                common_axes: None,
                 work: Work::default(),
             },
         }

@@ -279,13 +279,10 @@ fn take_in_leavers<S: Simd, const FAT: bool>(
     let mut items = bounds.items_from(first + word * 32);
     let Objects { now, given, fat, changed: kept, before, .. } = objects;
     let kept = kept.words.get(word).copied().unwrap_or(u32::MAX);
-    let mut margins = fat.margins.get(word * 32..).unwrap_or_default().as_chunks().0.iter();
-    let (mut held, mut before) = (fours(fat.boxes, word).iter_mut(), fours(before, word).iter_mut());
-    let mut given = fours(given, word).iter_mut();
+    let margins = fat.margins.get(word * 32..).unwrap_or_default().as_chunks().0;
+    let (held, before, given) = (fours(fat.boxes, word), fours(before, word), fours(given, word));
     for (four, old) in fours(now, word).iter_mut().enumerate() {
         let (first, boxes) = (4 * four, bounds.four(&mut items));
-        let (held, before, given) = (held.next(), before.next(), given.next());
-        let margins = margins.next().unwrap_or(&[0.0; 4]);
         if taken.done >> first & 0b1111 != 0 {
             continue;
         }
@@ -294,16 +291,17 @@ fn take_in_leavers<S: Simd, const FAT: bool>(
         // By reference, since boxes that came in one of two ways would be taken apart to numbers.
         let (reported, came);
         let (mut to, mut from) = (&new, &*old);
-        if FAT && let Some(given) = given {
+        let margins = margins.get(four).unwrap_or(&[0.0; 4]);
+        if FAT && let Some(given) = given.get_mut(four) {
             let last = core::mem::replace(given, new);
             (others, reported) = fat.rule.report(simd, margins, old, &last, &new);
             came = core::array::from_fn(|k| reported[k].came_from(&last[k], &new[k]));
             (to, from) = (&reported, &came);
         }
-        if EVENTS && let Some(before) = before {
+        if EVENTS && let Some(before) = before.get_mut(four) {
             keep(before, old, others & !(kept >> first));
         }
-        if let Some(held) = held {
+        if let Some(held) = held.get_mut(four) {
             taken.contained |= fat.rule.follow(simd, margins, (from, to), others, held) << first;
         }
         *old = *to;

@@ -33,9 +33,11 @@ pub(super) fn full<I: Index>(
     context.executor.enter(Stage::Sweep);
     let (leaves, from) = (parts.state.tree.count, kept.unwrap_or_default());
     let moved = kept.map(|_| &*parts.moved.words);
-    let tree_view = TreeView::new(&parts.state.tree, parts.boxes.swept(), &parts.tree);
-    let pair_filter = PairFilter::if_needed(&parts.filters, parts.state.objects.slots, &context);
-    let codes = bytemuck::cast_slice_mut(parts.spare).span_mut(0, parts.state.objects.slots as usize);
+    let slots = parts.state.objects.slots;
+    let boxes = parts.boxes.swept().span(0, slots as usize);
+    let tree_view = TreeView::new(&parts.state.tree, boxes, &parts.tree);
+    let pair_filter = PairFilter::if_needed(&parts.filters, slots, &context);
+    let codes = bytemuck::cast_slice_mut(parts.spare).span_mut(0, slots as usize);
     let kinds = Kinds::new(pair_filter.as_ref(), moved, codes);
     let OutputParts { pairs, staged, chunks, scratch, .. } = &mut parts.output;
     let end = pairs.len() - parts.state.pairs.surplus_parked as usize;

@@ -11,7 +11,7 @@ use crate::access::Access;
 use crate::geometry::key::KeyBox;
 use crate::id::Index;
 use crate::memory::scratch::LeafScratch;
-use crate::simd::Simd;
+use crate::simd::{Simd, call};
 use crate::tree::Record;
 
 /// The runs of a bucket in one part, and in two, with one run of all records of neither.
@@ -39,7 +39,8 @@ pub(super) fn sweep<const RUNS: usize, S: Simd, I: Index>(
     let ([ends, rest @ ..], _) = runs.as_chunks() else { return };
     let first = ends[255] as usize;
     let both = rest.first().map_or(first, |ends| ends[255] as usize);
-    widen(leaf_scratch.sorted.span_mut(0, both), axis, boxes);
+    let LeafScratch { sorted, common_axes, .. } = leaf_scratch;
+    widen(simd, sorted.span_mut(0, both), axis, (boxes, common_axes));
     if within_first {
         // The neighbours behind each record.
         let run = move |at: usize, record: &Record| (at + 1, reach_of(record, axis, ends));
@@ -112,7 +113,12 @@ fn reach_of(record: &Record, axis: usize, ends: &[u16; 256]) -> usize {
 /// have a point in common, at which some begin or end: as in a game in two dimensions. All touch there, but
 /// would wait for the exact test where they share that step of the grid. O(records) where it is so.
 #[inline(always)]
-fn widen(sorted: &mut [Record], swept: usize, boxes: &[KeyBox]) {
+fn widen<S: Simd>(
+    simd: S,
+    sorted: &mut [Record],
+    swept: usize,
+    (boxes, common_axes): (&[KeyBox], &mut Option<u32>),
+) {
     // Where the last of some begins and, complemented, where the first one ends, by all bytes of a record.
     let mut steps = [0u16; 8];
     for record in sorted.iter().take(16) {
@@ -120,13 +126,48 @@ fn widen(sorted: &mut [Record], swept: usize, boxes: &[KeyBox]) {
         (0..8).for_each(|k| steps[k] = steps[k].max(lanes[k]));
     }
     for axis in (0..3).filter(|axis| *axis != swept && steps[*axis] == !steps[*axis + 3]) {
+        let mut of_all = 0;
+        if S::MORE_CODE {
+            // Once for all leaves of a worker: boxes of a leaf are anywhere, but all boxes stand in a row.
+            of_all = *common_axes.get_or_insert_with(|| call!(simd, common(boxes)));
+        }
         let (mut last, mut first) = (i32::MIN, i32::MAX);
-        for bounds in sorted.iter().map(|record| KeyBox::of(boxes, record.slot() as usize)) {
-            (last, first) = (last.max(bounds.min.at(axis)), first.min(bounds.max.at(axis)));
+        if of_all >> axis & 1 == 0 {
+            for bounds in sorted.iter().map(|record| KeyBox::of(boxes, record.slot() as usize)) {
+                (last, first) = (last.max(bounds.min.at(axis)), first.min(bounds.max.at(axis)));
+            }
         }
         for record in sorted.iter_mut().filter(|_| last <= first) {
             record.lanes.put(axis, 0);
             record.lanes.put(axis + 3, 0);
         }
     }
+}
+
+/// The axes on which all boxes have a point in common, a bit each. O(n) where there are any, else O(1).
+#[inline(always)]
+fn common(boxes: &[KeyBox]) -> u32 {
+    // One more than the last minima and one less than the first maxima, so that sides of free slots wrap around
+    // and do not count. Of four boxes at once, for vectors.
+    let (mut last, mut first, mut axes) = ([i32::MIN; 24], [i32::MAX; 24], 0);
+    for part in boxes.chunks(256) {
+        let (fours, rest) = part.as_chunks::<4>();
+        let mut filled = [KeyBox::EMPTY; 4];
+        filled.iter_mut().zip(rest).for_each(|(to, bounds)| *to = *bounds);
+        for four in fours.iter().chain([&filled]) {
+            let sides: &[i32; 24] = bytemuck::cast_ref(four);
+            for k in 0..24 {
+                last[k] = last[k].max(sides[k].wrapping_add(1));
+                first[k] = first[k].min(sides[k].wrapping_sub(1));
+            }
+        }
+        let at = [0, 6, 12, 18];
+        let touch = |a: usize, b: usize| last.at(a).saturating_sub(2) <= first.at(b + 3);
+        let all_touch = |axis: usize| at.iter().all(|a| at.iter().all(|b| touch(a + axis, b + axis)));
+        axes = (0..3).map(|axis| u32::from(all_touch(axis)) << axis).sum();
+        if axes == 0 {
+            break;
+        }
+    }
+    axes
 }

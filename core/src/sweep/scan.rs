@@ -31,7 +31,7 @@ pub(super) fn sweep<S: Simd, I: Index>(
     run: impl Fn(usize, &Record) -> (usize, usize),
     sink: &mut Sink<'_, I>,
 ) {
-    let LeafScratch { sorted, rows, lists: [lists], candidates, pairs, work } = leaf_scratch else {
+    let LeafScratch { sorted, rows, lists: [lists], candidates, pairs, work, .. } = leaf_scratch else {
         return;
     };
     let (sorted, rows) = (sorted.span(0, count), rows.span(0, count + WINDOW));
