@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Counts the instructions of a step by callgrind, for three recordings, and of queries, for all kernels, and the branches that its
-# model of a predictor guesses wrong, and compares them with tests/instructions.txt: more than 5 % above it fails, and more than 10 %
-# of wrong guesses, as they are few. `--write` writes the file anew. Needs valgrind, and installs it where it may. The counts are those
-# of one compiler and one kind of CPU; they repeat exactly there.
+# Counts the instructions of a step by callgrind, for three recordings and where all move in predicted boxes, without and with events,
+# and of queries, for all kernels, and the branches that its model of a predictor guesses wrong, and compares them with
+# tests/instructions.txt: more than 5 % above it fails, and more than 10 % of wrong guesses, as they are few. `--write` writes the file
+# anew. Needs valgrind, and installs it where it may. The counts are those of one compiler and one kind of CPU; they repeat exactly
+# there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -45,6 +46,14 @@ for kernels in scalar avx2; do
     for recording in freefall_cubes_1000 gravity_assorted_1000 brownian_cubes_8000; do
         compare $recording $kernels "an object and step" $recording.aabbs $kernels
     done
+    for kind in quiet quiet_events; do
+        compare $kind $kernels "an object and step" brownian_cubes_8000.aabbs $kernels $kind
+    done
+    # Who leaves no predicted box costs nothing for events.
+    if ! awk -v k="$kernels" '$2 == k { of[$1] = $3 } END { exit of["quiet_events"] > 1.02 * of["quiet"] }' <<<"$fresh"; then
+        echo "events cost more than 2 % of a quiet step" >&2
+        result=1
+    fi
     for query in regions nearest rays; do
         compare $query $kernels "a query" brownian_cubes_8000.aabbs $kernels $query
     done

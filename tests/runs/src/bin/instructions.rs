@@ -1,10 +1,10 @@
 //! Steps through recordings, and queries, for `tests/instructions.sh`, which counts the instructions of [`measured`] and
 //! [`measured_queries`] under callgrind, and for `tests/targets.sh`, which counts those of the whole program.
 //!
-//! The recording, the kernels and, if not ten, the number of steps are the arguments; instead of a number also `regions`,
-//! `nearest` or `rays`. Without any it prints the kernels of this CPU.
+//! The recording, the kernels and, if not ten, the number of steps are the arguments; instead of a number also `quiet`, `quiet_events`,
+//! `regions`, `nearest` or `rays`. Without any it prints the kernels of this CPU.
 
-use trisap_core::{Aabb, Boxes, Cast, Config, Kernels, Region, World};
+use trisap_core::{Aabb, Boxes, Cast, Config, Kernels, Path, Region, World};
 use trisap_tests::recordings;
 use trisap_tests::worlds::{Slab, ample};
 
@@ -18,6 +18,14 @@ fn main() {
     let recording =
         recordings::all().into_iter().find(|r| r.name == name).expect("a recording of the repository");
     let objects = recording.objects();
+    let what = std::env::args().nth(3).unwrap_or_else(|| "10".into());
+    if what.starts_with("quiet") {
+        let config = Config::new(ample(objects, 20 * objects));
+        let config = if what == "quiet" { config } else { config.with_events() };
+        let pairs = quiet(&config, &recording.frames[0], kernels);
+        println!("{} object steps, {pairs} pairs", QUIET * objects);
+        return;
+    }
     // Counted are steps that search, so in worlds without predicted boxes.
     let config = Config::new(ample(objects, 20 * objects)).with_events().without_predicted_boxes();
     let mut slab = Slab::new::<u32>(&config);
@@ -25,7 +33,6 @@ fn main() {
     world.insert_many(Boxes::padded(&recording.frames[0])).expect("room for all");
     // The first step builds: it is not what later ones cost.
     world.set_kernels(kernels).step().expect("room for the pairs");
-    let what = std::env::args().nth(3).unwrap_or_else(|| "10".into());
     let Ok(steps) = what.parse::<usize>() else {
         // Calm steps, in which one object moves, until all leaves are divided.
         let id = world.id_at(0).expect("an object");
@@ -43,6 +50,25 @@ fn main() {
     let frames = &recording.frames[1..recording.frames.len().min(1 + steps)];
     let pairs = measured(&mut world, frames, kernels);
     println!("{} object steps, {pairs} pairs", frames.len() * objects);
+}
+
+/// Steps in which all objects move, but stay in their predicted boxes.
+const QUIET: usize = 10;
+
+fn quiet(config: &Config, boxes: &[[f32; 8]], kernels: Kernels) -> usize {
+    let shifted =
+        |step: usize| boxes.iter().map(|lanes| lanes.map(|side| side + 0.001 * (step % 2) as f32)).collect();
+    let frames: Vec<Vec<[f32; 8]>> = (0..QUIET).map(shifted).collect();
+    let mut slab = Slab::new::<u32>(config);
+    let mut world: World<'_> = slab.world(config);
+    world.insert_many(Boxes::padded(&frames[0])).expect("room for all");
+    // Until predicted boxes are in use, and have been for some steps.
+    for frame in frames.iter().cycle().take(20 * QUIET) {
+        world.set_kernels(kernels).step_over(Boxes::padded(frame)).expect("room for the pairs");
+    }
+    let pairs = measured(&mut world, &frames, kernels);
+    assert_eq!(world.stats().path, Path::Unchanged, "nobody has left");
+    pairs
 }
 
 #[inline(never)]
