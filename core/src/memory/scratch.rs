@@ -103,7 +103,7 @@ pub(crate) struct Scratch<'s, I> {
     pub(crate) leaf_scratch: LeafScratch<'s, I>,
 }
 
-/// What the sweep of one bucket works on.
+/// What the sweep of a bucket works on.
 pub(crate) struct LeafScratch<'s, I> {
     /// The bucket, sorted along the sweep axis.
     pub(crate) sorted: &'s mut [Record],
@@ -115,7 +115,7 @@ pub(crate) struct LeafScratch<'s, I> {
     pub(crate) candidates: &'s mut [u32],
     /// Pairs that wait to be passed on.
     pub(crate) pairs: &'s mut [Pair<I>],
-    /// The axes on which all boxes have a point in common, a bit each, once asked.
+    /// The axes on which all boxes of this sweep have a point in common, a bit each, once a leaf has asked.
     pub(crate) common_axes: Option<u32>,
     pub(crate) work: Work,
 }

@@ -266,7 +266,8 @@ fn keep(before: &mut [KeyBox; 4], old: &[KeyBox; 4], unkept: u32) {
     }
 }
 
-/// The same of objects that may leave these boxes.
+/// The same as [`take_in_quiet`], of objects that may leave these boxes. What belongs to four of them is found by
+/// index: the ends of iterators would not stay in registers.
 #[inline(always)]
 fn take_in_leavers<S: Simd, const FAT: bool>(
     simd: S,

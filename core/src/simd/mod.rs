@@ -79,7 +79,7 @@ pub(crate) trait Simd: Copy + Send + Sync {
     const ENCODES_FOUR: bool = false;
 
     /// Whether loops are compiled in more forms where that takes less time: some pairs or candidates tested at
-    /// once, half a window, boxes that leave their fat boxes in an exact world.
+    /// once, half a window, boxes that leave their fat boxes in an exact world, what all boxes have in common.
     const MORE_CODE: bool = false;
 
     /// Calls a closure that is compiled for this level: see [`call!`].

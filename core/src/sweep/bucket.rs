@@ -111,7 +111,8 @@ fn reach_of(record: &Record, axis: usize, ends: &[u16; 256]) -> usize {
 
 /// Makes the records of a bucket as wide as the grid on each axis, but the swept one, where all their boxes
 /// have a point in common, at which some begin or end: as in a game in two dimensions. All touch there, but
-/// would wait for the exact test where they share that step of the grid. O(records) where it is so.
+/// would wait for the exact test where they share that step of the grid. O(records) where it is so, and O(boxes)
+/// once for all leaves of one worker.
 #[inline(always)]
 fn widen<S: Simd>(
     simd: S,
@@ -128,7 +129,7 @@ fn widen<S: Simd>(
     for axis in (0..3).filter(|axis| *axis != swept && steps[*axis] == !steps[*axis + 3]) {
         let mut of_all = 0;
         if S::MORE_CODE {
-            // Once for all leaves of a worker: boxes of a leaf are anywhere, but all boxes stand in a row.
+            // Asked before those of the leaf, which are anywhere in memory: all boxes stand in a row.
             of_all = *common_axes.get_or_insert_with(|| call!(simd, common(boxes)));
         }
         let (mut last, mut first) = (i32::MIN, i32::MAX);
@@ -144,25 +145,31 @@ fn widen<S: Simd>(
     }
 }
 
-/// The axes on which all boxes have a point in common, a bit each. O(n) where there are any, else O(1).
+/// The axes on which all boxes have a point in common, a bit each. O(n); the first few hundred boxes tell it in
+/// most worlds, where there are none.
 #[inline(always)]
 fn common(boxes: &[KeyBox]) -> u32 {
-    // One more than the last minima and one less than the first maxima, so that sides of free slots wrap around
-    // and do not count. Of four boxes at once, for vectors.
+    // The last minima and the first maxima, of four boxes at once, for vectors.
     let (mut last, mut first, mut axes) = ([i32::MIN; 24], [i32::MAX; 24], 0);
     for part in boxes.chunks(256) {
         let (fours, rest) = part.as_chunks::<4>();
-        let mut filled = [KeyBox::EMPTY; 4];
+        let mut filled = [KeyBox::ALL; 4];
         filled.iter_mut().zip(rest).for_each(|(to, bounds)| *to = *bounds);
         for four in fours.iter().chain([&filled]) {
+            // Slots without an object do not count: a box that holds all others says nothing.
+            let objects;
+            let mut four = four;
+            if four.iter().any(KeyBox::is_empty) {
+                objects = four.map(|bounds| if bounds.is_empty() { KeyBox::ALL } else { bounds });
+                four = &objects;
+            }
             let sides: &[i32; 24] = bytemuck::cast_ref(four);
             for k in 0..24 {
-                last[k] = last[k].max(sides[k].wrapping_add(1));
-                first[k] = first[k].min(sides[k].wrapping_sub(1));
+                (last[k], first[k]) = (last[k].max(sides[k]), first[k].min(sides[k]));
             }
         }
         let at = [0, 6, 12, 18];
-        let touch = |a: usize, b: usize| last.at(a).saturating_sub(2) <= first.at(b + 3);
+        let touch = |a: usize, b: usize| last.at(a) <= first.at(b + 3);
         let all_touch = |axis: usize| at.iter().all(|a| at.iter().all(|b| touch(a + axis, b + axis)));
         axes = (0..3).map(|axis| u32::from(all_touch(axis)) << axis).sum();
         if axes == 0 {

@@ -22,6 +22,7 @@ use core::ops::Range;
 /// What sweeps read of the tree.
 #[derive(Clone, Copy)]
 pub(crate) struct TreeView<'g> {
+    /// The boxes of all slots that are in use, at least.
     pub(crate) boxes: &'g [KeyBox],
     pub(crate) nodes: Nodes<'g>,
     pub(crate) tree: &'g TreeParts<'g>,

@@ -148,6 +148,8 @@ impl<I: Index> Collector<'_, I> {
             // A call that finds none leaves the work to calls that have one, which go on to the end.
             let Some((_, area)) = areas.claim_from(&mut 0) else { return };
             let mut scratch = Scratch::carve(area, sizes.bucket);
+            // Workers share leaves. Each would look at all boxes alone.
+            scratch.leaf_scratch.common_axes = Some(0);
             while !full.load(Relaxed)
                 && let Some((block, (room, entry))) = queue.claim_from(&mut 0)
             {

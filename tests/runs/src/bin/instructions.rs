@@ -19,14 +19,14 @@ fn main() {
         recordings::all().into_iter().find(|r| r.name == name).expect("a recording of the repository");
     let objects = recording.objects();
     let what = std::env::args().nth(3).unwrap_or_else(|| "10".into());
-    if what.starts_with("quiet") {
+    if ["quiet", "quiet_events"].contains(&what.as_str()) {
         let config = Config::new(ample(objects, 20 * objects));
         let config = if what == "quiet" { config } else { config.with_events() };
         let pairs = quiet(&config, &recording.frames[0], kernels);
         println!("{} object steps, {pairs} pairs", QUIET * objects);
         return;
     }
-    // Counted are steps that search, so in worlds without predicted boxes.
+    // From here on steps that search, so worlds without predicted boxes.
     let config = Config::new(ample(objects, 20 * objects)).with_events().without_predicted_boxes();
     let mut slab = Slab::new::<u32>(&config);
     let mut world: World<'_> = slab.world(&config);
