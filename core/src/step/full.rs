@@ -33,7 +33,7 @@ pub(super) fn full<I: Index>(
     context.executor.enter(Stage::Sweep);
     let (leaves, from) = (parts.state.tree.count, kept.unwrap_or_default());
     let moved = kept.map(|_| &*parts.moved.words);
-    // No others, since what all have in common is asked.
+    // Of slots in use alone, since the sweep may ask what all boxes have in common.
     let slots = parts.state.objects.slots;
     let boxes = parts.boxes.swept().span(0, slots as usize);
     let tree_view = TreeView::new(&parts.state.tree, boxes, &parts.tree);
